@@ -1,7 +1,7 @@
-//! What code and mathematics must not be used without: the verdict with its reasons, and how much later inputs act.
+//! The warnings that go with exported code and formulas: the verdict with its reasons, and the delays of inputs and sensors.
 //!
-//! In: a discovery. Out: lines for a comment, a text for a constant, a delay for each input. Safe in every language: the texts hold
-//! no quotes, no backslashes, no ends of comments.
+//! In: a discovery. Out: lines for a comment, a text for a constant, a delay for each input. The texts contain no quotes, no backslashes
+//! and no end of a comment, so that they are safe in every language.
 
 use crate::code::identifiers::{harmless, plain};
 use crate::text::disturbance;
@@ -11,10 +11,10 @@ use sidc_lang::term::{Language, Signal, SignalNames, VarId};
 use sidc_system::discovery::{Discovery, RunCoefficient};
 use sidc_system::verdict::{self, LawVerdict};
 
-/// Widest line of a comment, without its mark.
+/// Longest line of a comment in characters, without the comment mark.
 const WIDTH: usize = 110;
 
-/// The verdict in one line: `passes`, or `doubted: ddx misfit, tie; dy few-rows`. Names and codes alone.
+/// The verdict in one line, names and codes only: `passes`, or `doubted: ddx misfit, tie; dy few-rows`.
 pub(crate) fn verdict_summary(d: &Discovery) -> String {
     let law = LawVerdict::of(d);
     match codes(d) {
@@ -40,7 +40,7 @@ fn codes(d: &Discovery) -> String {
     each.join("; ")
 }
 
-/// The verdict, every reason, every delay: lines for a comment.
+/// Lines for a comment: the verdict, its reasons, hidden states, disturbances, coefficients that differ between runs, delays.
 pub(crate) fn caveats(d: &Discovery) -> Vec<String> {
     let mut lines = vec![format!("verdict: {}", LawVerdict::of(d).as_str())];
     for (target, reason) in verdict::reasons(d) {
@@ -103,7 +103,7 @@ pub(crate) fn delays(d: &Discovery, inputs: &[Signal]) -> Vec<f64> {
     }
 }
 
-/// One warning for who exports, linearises or runs a result that is doubted; `None` for one that passes.
+/// A warning for anyone who exports, linearises or runs a doubted result; `None` if the result passes.
 pub fn doubted(d: &Discovery) -> Option<String> {
     let why = Some(codes(d)).filter(|codes| !codes.is_empty());
     let why = why.unwrap_or_else(|| "no reason given".into());

@@ -1,5 +1,5 @@
-//! What follows from the equations and is printed after them: coupled equations as a matrix equation and solved,
-//! linear systems as A and B.
+//! What follows from the equations and is printed after them: coupled equations as a matrix equation and its solution, linear systems as A
+//! and B.
 //!
 //! In: a discovery. Out: expressions and matrices. Layout is left to text and LaTeX.
 

@@ -1,7 +1,7 @@
 //! A discovery as text, LaTeX, code and a report. [`TARGETS`] lists what it can be exported to; a new target is a file in `targets/`.
 //!
-//! Emitters see only the [`Discovery`](sidc_system::discovery::Discovery). Where parentheses go is decided once, by the printer of
-//! terms in `sidc_lang`.
+//! Emitters see only the [`Discovery`](sidc_system::discovery::Discovery). Parentheses are placed by the printer of terms in `sidc_lang`,
+//! in code by `code::infix`.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 

@@ -19,10 +19,10 @@ pub trait Target: Sync {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Written {
     Text(String),
-    /// Bytes that no terminal shows.
+    /// Bytes that are not for a terminal.
     Binary {
         bytes: Vec<u8>,
-        /// What the names of such files end with, without the dot.
+        /// The extension of the file name, without the dot.
         suffix: &'static str,
     },
 }

@@ -1,4 +1,4 @@
-//! The unknown constants that stand in the equations, a line each.
+//! The unknown constants of the equations, a line each.
 //!
 //! In: a discovery. Out: lines such as `k = 0.5012(12) 1/s (95 % interval 0.4988 to 0.5036)`.
 
@@ -23,7 +23,7 @@ pub(crate) fn line(d: &Discovery, name: &str) -> String {
     format!("{name} = {}", told(d, name).unwrap_or_default())
 }
 
-/// The same as they act in one run, a line each: its own value, or the mean of the others where it has none.
+/// The constants of one run, a line each: its own value, or the mean of the others if it has none.
 pub fn constants_in(d: &Discovery, run: &str) -> Vec<String> {
     let mut there = d.clone();
     let by_run = |u: &UnknownValue| u.run.as_deref() == Some(run);
@@ -39,8 +39,8 @@ pub fn constants_in(d: &Discovery, run: &str) -> Vec<String> {
     lines(&there).collect()
 }
 
-/// The value of one constant with its unit and interval: for one that differs from run to run the mean, then those of the runs. `None`
-/// for what is no unknown constant of the equations.
+/// The value of one constant with its unit and interval; for one that differs from run to run the mean, then those of the runs. `None` if
+/// the name is no unknown constant of the equations.
 pub(crate) fn told(d: &Discovery, name: &str) -> Option<String> {
     let declared = d.variables.iter().find(|v| v.name == name);
     let unit = declared.and_then(|v| v.unit.as_ref());

@@ -14,7 +14,7 @@ pub(crate) struct Budget {
 }
 
 impl Budget {
-    /// What tables read before and the bytes of this file leave.
+    /// What earlier tables and the bytes of this file leave of the limit.
     pub(crate) fn of(limits: &Limits, file: usize) -> Budget {
         let limit = limits.table_bytes;
         Budget {
@@ -41,18 +41,18 @@ impl Budget {
         Ok(())
     }
 
-    /// Gives back what was taken for a while.
+    /// Gives back what was taken temporarily.
     pub(crate) fn give(&mut self, bytes: u64) {
         self.left = self.left.saturating_add(bytes);
     }
 
-    /// Everything that a decompressor gives: what is packed is not trusted to say how long it is.
+    /// Unpacks everything, without trusting the length that the packed bytes announce.
     ///
     /// # Errors
     /// More than is left; what cannot be unpacked.
     pub(crate) fn unpack(&mut self, packed: impl Read) -> Result<Vec<u8>, Fault> {
         let mut out = Vec::new();
-        // One byte more than is left tells that it goes on.
+        // One byte more than is left shows that the limit is passed.
         let most = self.left.saturating_add(1);
         let read = packed.take(most).read_to_end(&mut out);
         self.take(out.len() as u64, 1)?;

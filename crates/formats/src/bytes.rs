@@ -38,7 +38,7 @@ impl<'a> Bytes<'a> {
         Ok(first)
     }
 
-    /// Leaves out as many bytes, or what there is of them: padding at the end may be missing.
+    /// Skips `count` bytes, or as many as are left: padding at the end may be missing.
     pub(crate) fn skip(&mut self, count: usize) {
         self.rest = self.rest.get(count..).unwrap_or_default();
     }
@@ -96,7 +96,7 @@ impl Number {
         }
     }
 
-    /// The number in these bytes, which are [`Number::size`] many.
+    /// The number in these [`Number::size`] bytes.
     pub(crate) fn read(self, bytes: &[u8], big_endian: bool) -> f64 {
         let bits = bits(bytes, big_endian);
         match self {

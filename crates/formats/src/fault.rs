@@ -1,4 +1,4 @@
-//! Why a file is no table, and how it is said.
+//! Why a file cannot be read as a table, and the message that says so.
 
 use sidc_lang::diagnostic::Diagnostic;
 
@@ -12,7 +12,7 @@ pub(crate) struct Fault {
 }
 
 impl Fault {
-    /// A format that is known and not read.
+    /// A format that is recognised but not read.
     pub(crate) fn unsupported(what: impl AsRef<str>) -> Fault {
         Fault::of("not-text", format!(" is {}", what.as_ref()))
     }
@@ -55,7 +55,7 @@ impl Fault {
         self
     }
 
-    /// The same fault of a part of the file.
+    /// The same fault, located in a part of the file.
     pub(crate) fn within(mut self, part: &str) -> Fault {
         self.text = format!(", {part}{}", self.text);
         self

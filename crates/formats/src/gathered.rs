@@ -13,7 +13,7 @@ pub(crate) enum Meaning {
     Unsigned,
     #[cfg(all(feature = "parquet", panic = "unwind"))]
     Half,
-    /// Times, in units of so many seconds.
+    /// Times, in units of this many seconds.
     Moment(f64),
     Text,
 }
@@ -22,7 +22,7 @@ pub(crate) enum Meaning {
 pub(crate) struct Gathered {
     meaning: Meaning,
     numbers: Vec<f64>,
-    /// The least number stands for none.
+    /// `i64::MIN` stands for a missing value.
     moments: Vec<i64>,
     words: Words,
 }

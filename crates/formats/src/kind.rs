@@ -2,24 +2,24 @@
 
 use crate::fault::Fault;
 
-/// First and last bytes of a file of Arrow.
+/// First and last bytes of an Arrow file.
 pub(crate) const ARROW: &[u8] = b"ARROW1";
 
-/// First bytes of every message of Arrow, and so of a stream.
+/// First bytes of every Arrow message, and so of a stream.
 const ARROW_STREAM: &[u8] = b"\xff\xff\xff\xff";
 
-/// First bytes of a log of PX4, but for the version.
+/// First bytes of a PX4 log, without the version.
 const ULOG: &[u8] = b"ULog\x01\x12\x35";
 
 /// First bytes of an MCAP file.
 pub(crate) const MCAP: &[u8] = b"\x89MCAP0\r\n";
 
-/// Bytes that tell.
+/// Bytes that are enough to recognise every format.
 pub(crate) const HEAD: u64 = 512;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
-    /// Text, or nothing that is known: the reader of text says what is wrong with it.
+    /// Text, or an unknown format: the reader of text says what is wrong with it.
     Text,
     Npy,
     Zip,
@@ -33,7 +33,7 @@ pub(crate) enum Kind {
 
 impl Kind {
     /// # Errors
-    /// A format that is known and not read.
+    /// A format that is recognised but not read.
     pub(crate) fn of(head: &[u8]) -> Result<Kind, Fault> {
         let starts = |magic: &[u8]| head.starts_with(magic);
         if starts(b"\x93NUMPY") {

@@ -1,9 +1,10 @@
-//! Data files of every kind that is read.
+//! Readers of data files in all supported formats.
 //!
-//! In: a reader. Out: a [`FileTable`], whatever the file was, or every reason why there is none. What a file is, is told by its first
-//! bytes and not by its name. Opens no files, and takes no memory that the limits do not allow.
+//! In: a reader. Out: a [`FileTable`], whatever the format, or every reason why there is none. A format is recognised by the first bytes of
+//! a file, not by its name. Opens no files, and takes no more memory than the limits allow.
 //!
-//! Flow: bytes → `kind` → `sidc_data::read` (text); or `npy`, `mat`, `hdf5`, `arrow`, `parquet` → `variables`; or, of logs, `ulog`, `mcap` → `topics` → `sidc_data::Table`.
+//! Flow: bytes → `kind` → `sidc_data::read` for text; `npy`, `mat`, `hdf5`, `arrow` or `parquet` → `variables` for arrays; `ulog` or `mcap`
+//! → `topics` → `sidc_data::Table` for logs.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 

@@ -1,4 +1,4 @@
-//! Compressions of logs and of Arrow.
+//! Compression of logs and of Arrow files.
 
 use crate::budget::Budget;
 use crate::fault::Fault;
@@ -11,7 +11,7 @@ pub(crate) enum Packing {
 }
 
 impl Packing {
-    /// The bytes that were packed, as many as are announced.
+    /// The unpacked bytes, as many as are announced.
     ///
     /// # Errors
     /// Another number of them, or more than is left; damage.

@@ -17,13 +17,13 @@ use crate::{arrow, mat, mcap, npy, topics, ulog};
 #[derive(Clone, Debug)]
 pub struct FileTable {
     pub table: Table,
-    /// What of the file is not in the table: one note, or none.
+    /// What in the file is not in the table: one note, or none.
     pub notes: Vec<Diagnostic>,
 }
 
-/// Reads a table of text, an `.npz` or `.npy` file of NumPy, a `.mat` file of MATLAB (level 5, which `-v6` and `-v7` write), a log of PX4
-/// (`.ulg`) or of robots (`.mcap`), an Arrow or Feather file or, with the
-/// features `parquet` and `hdf5`, a Parquet or HDF5 file (MATLAB's `-v7.3`). Dates of NumPy, Arrow and Parquet count in seconds from the first of their column.
+/// Reads a text table, a NumPy file (`.npz`, `.npy`), a MATLAB file (`.mat`, level 5, which `-v6` and `-v7` write), a PX4 log (`.ulg`), a
+/// robot log (`.mcap`), an Arrow or Feather file or, with the features `parquet` and `hdf5`, a Parquet or HDF5 file (MATLAB's `-v7.3`).
+/// Dates of NumPy, Arrow and Parquet count in seconds from the first of their column.
 ///
 /// # Errors
 /// Those of [`sidc_data::read`] for text; for other files `unreadable-file`, `file-too-large`, `table-too-large`, `too-many-columns`,
@@ -48,7 +48,7 @@ pub fn read(
             notes: Vec::new(),
         });
     }
-    // One byte more than the limit tells that a file is beyond it.
+    // One byte more than the limit shows that a file is beyond it.
     let most = limits
         .file_bytes
         .min(limits.table_bytes.saturating_sub(limits.taken));

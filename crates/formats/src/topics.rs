@@ -14,17 +14,17 @@ use crate::variables::Assembled;
 /// What a log holds: topics, and what was left out.
 pub(crate) type Logged = (Vec<Topic>, Vec<String>);
 
-/// Longest list whose values are columns: joints and motors, not images and clouds of points.
+/// Longest list whose values are columns: joints and motors, not images and point clouds.
 pub(crate) const LONGEST_LIST: usize = 64;
 
-/// Where in a message a value stands: the names of fields and the places in lists, joined by `_`.
+/// The path of a value in a message: names of fields and places in lists, joined by `_`.
 #[derive(Debug, Default)]
 pub(crate) struct Path {
     text: String,
 }
 
 impl Path {
-    /// Goes into a field; what [`Path::leave`] needs.
+    /// Enters a field. Returns what [`Path::leave`] needs.
     pub(crate) fn enter(&mut self, name: &str) -> usize {
         let before = self.text.len();
         if before > 0 {
@@ -43,15 +43,15 @@ impl Path {
     }
 }
 
-/// The messages of a topic whose fields show only as they are read.
+/// The messages of a topic whose fields become known only as they are read.
 #[derive(Debug, Default)]
 pub(crate) struct Messages {
     /// Nanoseconds from the start of the log.
     times: Vec<i128>,
-    /// By path; shorter than the times where values are missing.
+    /// Columns by path; shorter than the times if the last values are missing.
     columns: Vec<(String, Vec<f64>)>,
     places: HashMap<String, usize>,
-    /// The column that comes next if this message is as the one before.
+    /// The column that comes next if this message has the fields of the one before.
     next: usize,
     left_out: BTreeMap<String, &'static str>,
 }
@@ -60,7 +60,7 @@ impl Messages {
     /// Begins a message.
     ///
     /// # Errors
-    /// More memory than is left; as all others here.
+    /// More memory than is left, as for the other methods.
     pub(crate) fn begin(&mut self, time: i128, budget: &mut Budget) -> Result<(), Fault> {
         budget.take(1, 48)?;
         self.times.push(time);
@@ -105,7 +105,7 @@ impl Messages {
         Ok(place)
     }
 
-    /// Says once what a field holds that is no number.
+    /// Notes once what a field holds, if not numbers.
     pub(crate) fn leave_out(
         &mut self,
         path: &Path,
@@ -146,7 +146,7 @@ impl Messages {
     }
 }
 
-/// The table of topics whose columns have names of their own already; it may take what the budget leaves.
+/// The table of topics, whose columns are already named; it may take the memory that the budget leaves.
 ///
 /// # Errors
 /// No message holds a number.
@@ -178,7 +178,7 @@ pub(crate) fn assemble(
     })
 }
 
-/// A name as models can write it: what is no letter, digit or underscore is an underscore, none at the ends.
+/// A name that a model can contain: characters other than letters and digits become underscores, and none are left at the ends of a part.
 pub(crate) fn joined(parts: &[&str]) -> String {
     let plain = |c: char| if c.is_alphanumeric() { c } else { '_' };
     let part = |part: &&str| part.chars().map(plain).collect::<String>();

@@ -1,7 +1,7 @@
 //! Named arrays of a file → the columns of a table.
 //!
-//! In: arrays of any shape. Out: a table, and what was left out of it with the reason. The rows of the table are as many as most arrays
-//! have; the rows of a matrix run along its longer side, and its columns are numbered behind its name.
+//! In: arrays of any shape. Out: a table, and what was left out of it with the reason. The table has as many rows as most arrays. The rows
+//! of a matrix run along its longer side, and its columns are numbered after its name.
 
 use std::collections::BTreeMap;
 
@@ -22,7 +22,7 @@ pub(crate) enum Content {
     Numbers { shape: Vec<usize>, values: Vec<f64> },
     /// One text for each row.
     Words(Words),
-    /// What is no column, and what it is.
+    /// What is not a column, by a description.
     Other(String),
 }
 
@@ -31,7 +31,7 @@ pub(crate) struct Assembled {
     pub table: Table,
     /// Each with its reason.
     pub left_out: Vec<String>,
-    /// A number whose name is one of sampling intervals.
+    /// The value of a number that is named like a sampling interval.
     pub step: Option<f64>,
 }
 
@@ -75,7 +75,7 @@ impl Content {
     }
 }
 
-/// The longer side and the other one, where an array has two sides at most that are longer than 1.
+/// The longer side and the other one, if at most two sides of an array are not 1.
 fn sides(shape: &[usize]) -> Option<(usize, usize)> {
     let long: Vec<usize> = shape.iter().copied().filter(|n| *n != 1).collect();
     match long.as_slice() {
@@ -86,17 +86,17 @@ fn sides(shape: &[usize]) -> Option<(usize, usize)> {
     }
 }
 
-/// Numbers the columns of a matrix from here: as NumPy and MATLAB do.
+/// The number of a matrix's first column: 0 as in NumPy, or 1 as in MATLAB.
 #[derive(Clone, Copy)]
 pub(crate) enum FirstIndex {
     Zero,
     One,
 }
 
-/// The table of all arrays that are as long as most.
+/// The table of all arrays that have the most common length.
 ///
 /// # Errors
-/// None is a column, more columns than the limit, a name twice.
+/// No array is a column; more columns than the limit; a name occurs twice.
 pub(crate) fn assemble(
     file: &str,
     variables: Vec<Variable>,
@@ -143,7 +143,7 @@ pub(crate) fn assemble(
     })
 }
 
-/// The length that most columns have, the longer one of two: more than one row, if anything has.
+/// The length that most columns have, the longer one of a tie; more than one row if any column has.
 fn common_length(variables: &[Variable]) -> Option<usize> {
     let mut votes: BTreeMap<usize, usize> = BTreeMap::new();
     for variable in variables {
@@ -170,7 +170,7 @@ fn nothing(variables: &[Variable]) -> Fault {
     Fault::no_columns(found).help("save one array of numbers for each signal, all of one length")
 }
 
-/// What an array is, for somebody who looks for it in the table.
+/// What an array is, for a user who misses it in the table.
 fn described(content: &Content) -> String {
     match content {
         Content::Numbers { shape, values } => match (sides(shape), values.as_slice()) {

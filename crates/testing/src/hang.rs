@@ -1,4 +1,4 @@
-//! A limit for work that must end, far above what it takes on any machine: it tells a hang, not a slow machine.
+//! A limit for work that must end, far above what it takes on any machine: it detects a hang, not a slow machine.
 
 use std::sync::mpsc::channel;
 use std::thread;
@@ -7,7 +7,7 @@ use std::time::Duration;
 /// No work of a test takes this long, however busy the machine is.
 pub const HANGS: Duration = Duration::from_secs(300);
 
-/// What the work gives, which runs in a thread of its own.
+/// Runs work in a thread of its own and returns its result.
 ///
 /// # Panics
 /// If it has not ended after [`HANGS`], or panics.

@@ -1,13 +1,13 @@
 //! Initial value problems to about 1e-13: extrapolated modified midpoint (Gragg, Bulirsch, Stoer) with step halving.
 //!
-//! Data that an equation is to be recovered from must be better than the recovery, so no classical RK4 here.
+//! Data from which an equation is recovered must be more accurate than the recovery, so that classical RK4 is not enough.
 //! See Hairer, Nørsett, Wanner, "Solving Ordinary Differential Equations I", II.9.
 
 /// Error accepted per step, relative to the largest state.
 const TOLERANCE: f64 = 1e-14;
 /// Highest number of extrapolation stages; stage k uses 2(k+1) midpoint steps.
 const STAGES: usize = 10;
-/// Steps are never halved more often than this; a solution that needs it has a singularity.
+/// A step is halved at most this often; a solution that needs more has a singularity.
 const HALVINGS: u32 = 40;
 
 /// The state at `t1` of ẋ = f(t, x) from `x` at `t0`. `f` should be smooth in between: stop and restart at jumps of an input.

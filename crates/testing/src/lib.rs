@@ -1,9 +1,9 @@
 //! What tests, benchmarks, fuzzing and studies share; no part of the product.
 //!
-//! [`integrate`], [`stochastic`], [`random`], [`table`] and [`plants`] simulate known systems and write their records, and use nothing of the
-//! compiler: the data it is tested on must not come from its own code. [`program`] runs the built `sidc`, [`runtimes`] finds the
-//! languages and browsers that its output is run with, [`thresholds`] the numbers that decide, [`hang`] ends work that does not end, [`fuzzing`] says what must hold for any input
-//! at all.
+//! [`integrate`], [`stochastic`], [`random`], [`table`] and [`plants`] simulate known systems and write their records. They use nothing of
+//! the compiler: the data it is tested on must not come from its own code. [`program`] runs the built `sidc`, [`runtimes`] finds the
+//! languages and browsers that its output is run with, [`thresholds`] collects the numbers that decide, [`hang`] detects work that does not
+//! end, [`fuzzing`] checks what must hold for any input.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use sidc_progress::{Activity, SolverProgress, Stage, Stop};
 
-/// Interrupts the work when `ends` says so of what it hears.
+/// Interrupts the work at the first activity for which `ends` is true.
 pub fn interrupting(
     mut ends: impl FnMut(Activity) -> bool,
 ) -> impl FnMut(Activity) -> ControlFlow<Stop> {
@@ -14,10 +14,10 @@ pub fn interrupting(
     }
 }
 
-/// What a solver says.
+/// The progress that a solver reports.
 ///
 /// # Panics
-/// If something else is heard.
+/// If the activity is another one.
 pub fn solver_progress(activity: Activity) -> SolverProgress {
     match activity {
         Activity::Stage(Stage::Solving(progress)) => progress,

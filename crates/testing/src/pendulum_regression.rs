@@ -1,4 +1,4 @@
-//! A pendulum on a cart under a held random force, and the tensor power library on it: the thesis' experiment as numbers.
+//! A pendulum on a cart under a held random force, with the tensor power library: the experiment of the thesis as a regression.
 
 use sidc_solve::dictionary::Dense;
 

@@ -1,4 +1,4 @@
-//! The built program, run as a user runs it: from the repository's root, with its outputs in a folder that goes away.
+//! The built program, run as a user runs it: from the repository's root, or from another folder.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -94,13 +94,13 @@ pub fn models(folder: &str) -> Vec<(String, String)> {
     named.map(|name| (name.clone(), file(&name))).collect()
 }
 
-/// Codes of what is wrong, of all that was said.
+/// The codes of the errors among some diagnostics.
 pub fn error_codes(found: &[Diagnostic]) -> Vec<&'static str> {
     let errors = found.iter().filter(|d| d.is_error());
     errors.map(|d| d.code).collect()
 }
 
-/// `bad-cell` of `error[bad-cell]: …`, warnings too; each once.
+/// The codes of errors and warnings in a text, each once: `bad-cell` of `error[bad-cell]: …`.
 pub fn codes_in(text: &str) -> Vec<String> {
     let codes = text.lines().filter_map(|line| {
         let rest = line
@@ -111,7 +111,7 @@ pub fn codes_in(text: &str) -> Vec<String> {
     codes.collect::<BTreeSet<_>>().into_iter().collect()
 }
 
-/// A text in words and numbers, in turn.
+/// A piece of a text, which has words and numbers in turn.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Piece {
     Words(String),
@@ -180,7 +180,7 @@ pub fn is_figure(line: &str, number: &str, before: &str) -> bool {
             && (number.contains(['.', 'e']) || AFTER.iter().any(|word| before.ends_with(word)))
 }
 
-/// What is proved with a tolerance of rounding size may be of the answer on one machine and of the proposal on another.
+/// A proof whose tolerance is as small as rounding may be about the answer on one machine and about the proposal on another.
 pub fn is_proof_by_tolerance(line: &str) -> bool {
     line.starts_with("    proved") && line.contains("of all that fits within")
 }

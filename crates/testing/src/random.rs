@@ -1,4 +1,4 @@
-//! Random numbers that are the same on every machine: those of the program, and courses of inputs made of them.
+//! Random numbers that are the same on every machine: those of the program, and input signals made from them.
 
 use sidc_discover::SplitMix;
 
@@ -30,7 +30,7 @@ impl Random {
         self.0.normal()
     }
 
-    /// `len` samples that stay constant for `hold` (fewest, most) samples, uniform in ±`amplitude`, two decimals.
+    /// `len` samples of levels uniform in ±`amplitude`, to two decimals, each held for `hold` (fewest, most) samples.
     pub fn square(&mut self, len: usize, hold: (usize, usize), amplitude: f64) -> Vec<f64> {
         let mut values = Vec::with_capacity(len);
         while values.len() < len {

@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 use crate::pendulum_regression::Random;
 
-/// y' = 1.6 y − 0.7 y₋₁ + 0.1 u, with noise of the process and of the sensor.
+/// y' = 1.6 y − 0.7 y₋₁ + 0.1 u, with process noise and sensor noise.
 pub fn difference_equation(process: f64, sensor: f64) -> String {
     let mut random = Random::new(3);
     let (mut y, mut before, mut u) = (0.0, 0.0, 0.0);
@@ -22,7 +22,7 @@ pub fn difference_equation(process: f64, sensor: f64) -> String {
     text
 }
 
-/// Heights of a ball let fall from 2 m, that loses a fifth of its speed at every impact.
+/// Heights of a ball that is dropped from 2 m and loses a fifth of its speed at every impact.
 pub fn bounces(rows: usize, step: f64) -> Vec<f64> {
     let (mut start, mut height, mut speed) = (0.0, 2.0f64, 0.0f64);
     let mut fall = |time: f64| loop {
@@ -55,8 +55,8 @@ pub fn contradicting_rows() -> String {
 /// Time between the samples of [`joined`].
 const JOINED_STEP: f64 = 0.01;
 
-/// Two bodies joined by inertia and springs, of which the first is pushed: ddx + m ddy = u − k₁ x − k₁₂ y − 0.2 dx,
-/// ddy + m ddx = −k₂ y − k₁₂ x − 0.1 dy. Everything is measured.
+/// Two bodies joined by inertia and springs, the first of which is pushed: ddx + m ddy = u − k₁ x − k₁₂ y − 0.2 dx, ddy + m ddx = −k₂ y −
+/// k₁₂ x − 0.1 dy. Everything is measured.
 pub fn joined(m: f64, [k1, k2, k12]: [f64; 3], seed: u64) -> String {
     let mut random = Random::new(seed);
     let mut z = [0.0f64; 4];
@@ -76,7 +76,7 @@ pub fn joined(m: f64, [k1, k2, k12]: [f64; 3], seed: u64) -> String {
         let [x, y, dx, dy] = z;
         let t = JOINED_STEP * f64::from(row);
         let _ = writeln!(text, "{t},{x},{y},{dx},{dy},{ddx},{ddy},{u}");
-        // Runge–Kutta: rates late by half of a Euler step would contradict the positions.
+        // Runge–Kutta, because Euler's rates are half a step late and would contradict the positions.
         let slope = |z: &[f64; 4]| {
             let [ddx, ddy] = rates(z, u);
             [z[2], z[3], ddx, ddy]

@@ -1,7 +1,7 @@
 //! Languages, browsers and shells that sidc's output is run with: where they are, or a note of what could not be tested without them.
 //!
-//! In: the name of a program. Out: where it is. What is missing goes into a file of this test program, in `skipped` beside the folder
-//! of programs; `tests/skipped.rs` shows all of them in the end. With SIDC_TEST_ALL=1 what is missing fails its test.
+//! In: the name of a program. Out: where it is. Missing programs are noted in a file of this test program, in `skipped` beside the folder
+//! of programs; `tests/skipped.rs` shows all of them in the end. With SIDC_TEST_ALL=1 a test fails if its program is missing.
 
 use std::fs::{self, File};
 use std::io::Write;
@@ -11,16 +11,16 @@ use std::sync::{Mutex, OnceLock};
 
 use crate::program::root;
 
-/// The first of these programs that tells its version. `want` is what the reader of the last lines has to install.
+/// The first of these programs that prints its version. `want` names what to install if there is none.
 ///
 /// # Panics
-/// If there is none, and SIDC_TEST_ALL is set.
+/// If there is none and SIDC_TEST_ALL is set.
 pub fn runtime(want: &str, names: &[&str]) -> Option<PathBuf> {
     let found = names.iter().find(|name| runs(name, &["--version"]));
     told(want, found.map(PathBuf::from))
 }
 
-/// A compiler of C, by the name in CC or as `cc`.
+/// A C compiler: the one that CC names, or `cc`.
 pub fn c_compiler() -> Option<PathBuf> {
     let name = std::env::var("CC").unwrap_or_else(|_| "cc".into());
     runtime("a C compiler", &[&name])
@@ -52,17 +52,17 @@ pub fn python(modules: &str) -> Option<PathBuf> {
     told(&format!("Python with {modules}"), all.into_iter().find(has))
 }
 
-/// A Python with fmpy, and what that compiles FMUs with.
+/// A Python with fmpy, and the tools that it compiles FMUs with.
 pub fn fmpy() -> Option<PathBuf> {
     c_compiler()?;
     runtime("make", &["make"])?;
     python("fmpy.build, numpy")
 }
 
-/// What a program prints that has to end well.
+/// The output of a program that has to succeed.
 ///
 /// # Panics
-/// If it does not, with what it said.
+/// If it fails, with what it printed.
 pub fn finished(command: &mut Command) -> String {
     let Output {
         status,
@@ -79,7 +79,7 @@ pub fn finished(command: &mut Command) -> String {
     String::from_utf8(stdout).unwrap()
 }
 
-/// True if the program starts and ends well.
+/// True if the program starts and succeeds.
 fn runs(program: impl AsRef<Path>, args: &[&str]) -> bool {
     let done = Command::new(program.as_ref()).args(args).output();
     done.is_ok_and(|o| o.status.success())
@@ -95,13 +95,13 @@ fn told(want: &str, found: Option<PathBuf>) -> Option<PathBuf> {
     found
 }
 
-/// Notes that (a part of) the running test is left out because of how the tests were started, which no installation changes: it never
-/// fails.
+/// Notes that the running test, or a part of it, is skipped because of how the tests were started. It never fails, because installing
+/// something would not help.
 pub fn skipped(why: &str) {
     note(Some(why));
 }
 
-/// The file of this program. It begins anew in every run, by the first question asked, so that nothing is left of an earlier one.
+/// Adds a note to the file of this test program. The first call of a run empties the file, so that nothing of an earlier run is left.
 fn note(why: Option<&str>) {
     static NOTES: OnceLock<Mutex<File>> = OnceLock::new();
     let notes = NOTES.get_or_init(|| {
@@ -116,7 +116,7 @@ fn note(why: Option<&str>) {
     let Some(why) = why else {
         return;
     };
-    // libtest names the thread of a test by the test.
+    // libtest gives the thread of a test the name of the test.
     let thread = std::thread::current();
     let test = thread.name().unwrap_or("?");
     let mut notes = notes.lock().unwrap_or_else(|e| e.into_inner());

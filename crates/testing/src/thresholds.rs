@@ -15,18 +15,18 @@ const HEADER: &str = "family,name,value,factor,cases,changed,which";
 /// What each number is multiplied by; whole numbers are rounded, and move by at least one.
 pub const FACTORS: [f64; 2] = [0.5, 2.0];
 
-/// Numbers that constants need and that a build for the study therefore cannot move: the record only shows them.
+/// Numbers that constants are made from, so that a build for the study cannot move them; the record only shows them.
 pub const CONSTANTS: &[(&str, &str)] = &[
     ("LibraryLimits", "memory"),
     ("WeakFormNumbers", "stencil_points"),
     ("Whiteness", "lags"),
 ];
 
-/// A program has no library that could be asked.
+/// `sidc-cli` has no library, so its file is included.
 #[path = "../../cli/src/thresholds.rs"]
 mod command_line;
 
-/// Nor does the server belong to what is tested with.
+/// The language server is not among the dependencies of this crate, so its file is included, too.
 #[path = "../../lsp/src/thresholds.rs"]
 mod editor;
 
@@ -55,7 +55,7 @@ pub struct Sensitivity {
     pub factor: f64,
     /// Cases that read the family. The others cannot change.
     pub cases: usize,
-    /// Cases whose answer changed, each with what of it changed first: `lorenz: terms`.
+    /// Cases whose answer changed, each with the first part of it that changed: `lorenz: terms`.
     pub changed: Vec<String>,
 }
 
@@ -86,7 +86,7 @@ impl fmt::Display for Sensitivity {
 /// Rows of the table.
 ///
 /// # Panics
-/// If a line is none.
+/// If a line is not a row.
 pub fn read(text: &str) -> Vec<Sensitivity> {
     let mut lines = text.lines();
     assert_eq!(lines.next(), Some(HEADER));
@@ -118,7 +118,7 @@ pub fn write(rows: &[Sensitivity]) -> String {
     format!("{HEADER}\n{rows}")
 }
 
-/// The rows of a number as it stands in the code, by half of it and by twice; none if the study has not run it.
+/// The rows of a number's present value, by half of it and by twice; `None` if the study has not run it.
 fn moved<'a>(
     rows: &'a [Sensitivity],
     family: &str,
@@ -131,7 +131,7 @@ fn moved<'a>(
     }
 }
 
-/// What the study says of a number, for a cell of the documentation: answers changed by each factor, of the cases that read it.
+/// What the study says about a number, for a cell of the documentation: answers changed by each factor, of the cases that read it.
 pub fn outcome(rows: &[Sensitivity], family: &str, number: &Threshold) -> String {
     if CONSTANTS.contains(&(family, number.name)) {
         return "constant".into();
@@ -146,7 +146,7 @@ pub fn outcome(rows: &[Sensitivity], family: &str, number: &Threshold) -> String
     }
 }
 
-/// Answers that half or twice of a number changed; none if no case reads it, or the study has not run it.
+/// How many answers half and twice a number changed; `None` if no case reads it, or the study has not run it.
 pub fn changes(rows: &[Sensitivity], family: &str, number: &Threshold) -> Option<usize> {
     let rows = moved(rows, family, number)?;
     let read = rows.iter().any(|row| row.cases > 0);

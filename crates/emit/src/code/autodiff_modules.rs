@@ -1,6 +1,6 @@
-//! Modules of Python for libraries with automatic differentiation: rates and outputs, no Jacobians.
+//! Python modules for libraries with automatic differentiation: rates and outputs, no Jacobians.
 //!
-//! In: what sets such a library apart, an [`Autodiff`]. Out: a language.
+//! In: what is specific to one library, an [`Autodiff`]. Out: a [`Language`].
 
 use std::marker::PhantomData;
 
@@ -14,9 +14,10 @@ use sidc_system::discovery::Discovery;
 /// A library with automatic differentiation.
 pub(crate) trait Autodiff: 'static {
     const DIALECT: Dialect;
-    /// The name that its module is imported by.
+    /// The name under which its module is imported.
     const MODULE: &'static str;
-    /// What makes an array of a number. Division of Python's own numbers by zero raises an exception; an array's gives an infinity.
+    /// The function that turns a number into an array: dividing Python's own numbers by zero raises an exception, dividing an array gives
+    /// infinity.
     const NUMBER: &'static str;
     const INFINITY: &'static str;
     const NAN: &'static str;
@@ -25,22 +26,22 @@ pub(crate) trait Autodiff: 'static {
     /// The helper `_newton`, or why there is none.
     const NEWTON: Result<&'static str, &'static str>;
 
-    /// A function of the table; empty if the library has none.
+    /// The library's name for a function of the model language; empty if there is none.
     fn spelling(f: Func) -> &'static str;
 
-    /// What stands before all functions.
+    /// Text before the first function.
     fn header(d: &Discovery, program: &Program) -> String;
 
     /// A vector with these entries.
     fn vector(entries: &str) -> String;
 
-    /// What stands behind all functions, for each of them.
+    /// Text after the last function, called once for each function.
     fn last(_program: &Program, _f: &Function) -> String {
         String::new()
     }
 }
 
-/// The language of a library.
+/// A library as a target language.
 pub(crate) struct Module<A>(PhantomData<fn() -> A>);
 
 impl<A> Module<A> {

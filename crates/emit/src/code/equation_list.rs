@@ -1,7 +1,7 @@
-//! A system as a list of equations, for languages that solve them on their own.
+//! A system as a list of equations, for languages that solve equations themselves.
 //!
-//! In: a program and the text of its terms. Out: equations as pairs of texts; every one gives its left side. Derivatives are not written
-//! here: a rate is a pair of names, a component of the state and what its rate is.
+//! In: a program and the text of its terms. Out: equations as pairs of left and right side. A rate is a pair of names, a state and the
+//! signal that is its derivative; how a derivative is written is left to the language.
 
 use crate::code::infix::{Infix, Syntax};
 use crate::code::program::{Body, Name, Program, Step};
@@ -11,15 +11,15 @@ use sidc_system::discovery::Rate;
 pub(crate) struct EquationList {
     /// Subexpressions that are used more than once.
     pub named: Vec<(String, String)>,
-    /// A component of the state, and the signal that its rate is.
+    /// A state, and the signal that is its derivative.
     pub rates: Vec<(String, String)>,
-    /// A highest derivative, and what it was found to be; others may stand in it.
+    /// A highest derivative, and its right side, which may contain other highest derivatives.
     pub laws: Vec<(String, String)>,
-    /// An output, and what it is.
+    /// An output, and its value.
     pub outputs: Vec<(String, String)>,
 }
 
-/// `body` is that of [`Program::sides`].
+/// `body` comes from [`Program::sides`].
 pub(crate) fn equation_list<S: Syntax>(
     program: &Program,
     body: &Body,
@@ -52,7 +52,7 @@ pub(crate) fn equation_list<S: Syntax>(
     }
 }
 
-/// What a language of equations in continuous time cannot say.
+/// Rejects what a language for continuous time cannot express.
 ///
 /// # Errors
 /// The model is in discrete time.

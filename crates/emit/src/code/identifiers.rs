@@ -1,13 +1,12 @@
 //! Names that are safe in a target language: as identifiers, in comments, in strings.
 //!
-//! In: names as users wrote them. Out: text that no language takes for syntax. Knows no language: reserved words are
-//! given.
+//! In: names as users wrote them. Out: text that no language takes for syntax. Reserved words come from the caller.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use sidc_lang::term::Signal;
 
-/// Longest identifier. MATLAB reads 63 characters, and numbers may be appended.
+/// Length after which an identifier is cut. MATLAB reads 63 characters, and numbers may be appended.
 const MAX_IDENTIFIER: usize = 40;
 
 /// One ASCII identifier per signal; distinct signals get distinct identifiers.
@@ -86,12 +85,12 @@ pub(crate) fn plain(name: &str) -> String {
     name.chars().map(piece).collect()
 }
 
-/// Text that ends no comment and no string.
+/// Text that cannot end a comment or a string.
 pub(crate) fn harmless(text: &str) -> String {
     let piece = |c: char| match c {
         '"' | '`' => '\'',
         '\\' => '/',
-        // What reverses the direction of text hides what is code.
+        // Characters that reverse the direction of text can make code look like a comment.
         '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => ' ',
         c if c.is_control() => ' ',
         c => c,
@@ -102,7 +101,7 @@ pub(crate) fn harmless(text: &str) -> String {
         .replace("??", "? ?")
 }
 
-/// The name of a system after a blank, for comments; empty if it has none.
+/// The name of a system after a space, for comments; empty if it has none.
 pub(crate) fn titled(system: Option<&str>) -> String {
     system.map_or_else(String::new, |s| format!(" {}", plain(s)))
 }

@@ -1,14 +1,14 @@
 //! Expressions as text, for languages with `+ - * /` and functions called as `f(x)`.
 //!
-//! In: the body of a function, and how a language writes numbers, roots and powers. Out: expressions with as few
-//! parentheses as possible, evaluated in the order of the evaluator. Never writes a statement.
+//! In: the body of a function, and how a language writes numbers, roots and powers. Out: expressions with as few parentheses as possible;
+//! they round like those of sidc's own evaluator. Never writes a statement.
 
 use crate::code::identifiers::Identifiers;
 use crate::code::program::{Body, Name};
 use sidc_lang::term::{Func, Node, Precedence, Signal};
 use std::collections::BTreeMap;
 
-/// What differs between languages.
+/// How a language writes numbers, functions and powers.
 pub(crate) trait Syntax {
     const INFINITY: &'static str;
     const NAN: &'static str;
@@ -17,7 +17,7 @@ pub(crate) trait Syntax {
     fn finite(&self, x: f64) -> String {
         format!("{x:?}")
     }
-    /// The name of a function; that of the language of models unless said otherwise.
+    /// The name of a function; by default that of the model language.
     fn function(&self, f: Func) -> String {
         f.name.into()
     }
@@ -59,7 +59,7 @@ impl BodyNames {
         }
     }
 
-    /// The name of a node; none of one that is written where it is used.
+    /// The name of a node; `None` if it is written where it is used.
     pub fn node(&self, node: usize) -> Option<&String> {
         self.own.get(&Name::Node(node))
     }
@@ -100,7 +100,7 @@ impl<'a, S: Syntax> Infix<'a, S> {
         self.computed(node).0
     }
 
-    /// The right side of an assignment: a node's own value, or for a signal what it equals, which may have a name.
+    /// The right side of an assignment: for a node its expression, for a signal the name or expression of what it equals.
     pub fn assigned(&self, name: Name, node: usize) -> String {
         match name {
             Name::Node(_) => self.value(node),
@@ -171,7 +171,8 @@ impl<'a, S: Syntax> Infix<'a, S> {
         self.names.node(node).is_none() && self.body.nodes().get(node).is_some_and(is)
     }
 
-    /// Products associate to the left. The order of two factors does not change rounding, so a product goes first.
+    /// Products associate to the left. Swapping two factors does not change the rounding, so a factor that is a product goes first and
+    /// needs no parentheses.
     fn product(&self, a: usize, b: usize) -> String {
         let reciprocal = |n| self.is_inline(n, |n| matches!(n, Node::Reciprocal(_)));
         let product = |n| self.is_inline(n, |n| matches!(n, Node::Product(..)));
@@ -255,7 +256,7 @@ impl<'a, S: Syntax> Infix<'a, S> {
     }
 }
 
-/// Signs of NaN and zero are dropped.
+/// False for −0 and NaN, so that their signs are not written.
 fn is_negative(x: f64) -> bool {
     x < 0.0
 }

@@ -1,4 +1,4 @@
-//! What the targets that are programs share. A language's own file is in [`crate::targets`].
+//! What the targets that are programming languages share. A language's own file is in [`crate::targets`].
 //!
 //! In: a discovery. Out: source text. [`program`] decides what is computed and when, [`infix`] writes expressions,
 //! [`printer`] writes statements.

@@ -1,7 +1,7 @@
-//! The numbers that were found, by names: every coefficient of the equations and every unknown constant.
+//! The estimated parameters by name: every coefficient of the equations and every unknown constant.
 //!
-//! In: a discovery. Out: names, values, standard errors, units, covariances, and the lines that comments have. Functions do not read
-//! them: they hold the values as literals.
+//! In: a discovery. Out: names, values, standard errors, units, covariances, and lines for comments. The emitted functions do not read
+//! these; they contain the values as literals.
 
 use crate::code::identifiers::{Identifiers, harmless};
 use sidc_lang::term::{Language, SignalNames};
@@ -13,17 +13,17 @@ pub(crate) struct Parameter {
     /// The equation and the term, for comments.
     pub about: String,
     pub value: f64,
-    /// 0 for what the model states, NaN where it is not known.
+    /// Standard error; 0 for a value that the model states, NaN if it is not known.
     pub error: f64,
     /// Empty where it is not known.
     pub unit: String,
     place: Place,
 }
 
-/// Where the correlations of a parameter stand.
+/// Where the correlations of a parameter are found.
 #[derive(Clone, Copy, PartialEq)]
 enum Place {
-    /// A fit, and the place in it.
+    /// The fit, and the place of the parameter in it.
     Fit(usize, usize),
     Nowhere,
 }
@@ -61,7 +61,7 @@ impl<'a> Parameters<'a> {
         self.all.is_empty()
     }
 
-    /// Rows of the covariance matrix; `None` where no correlation is known.
+    /// Rows of the covariance matrix; `None` if no correlation is known.
     pub fn covariance(&self) -> Option<Vec<Vec<f64>>> {
         let known = |p: &Parameter| p.place != Place::Nowhere && p.error.is_finite();
         let row = |a: &Parameter| self.all.iter().map(|b| self.entry(a, b)).collect();
@@ -69,7 +69,7 @@ impl<'a> Parameters<'a> {
         self.all.iter().any(known).then_some(rows)
     }
 
-    /// Coefficients of different fits have independent errors; what no fit tells is NaN.
+    /// Coefficients of different fits have independent errors; a correlation that no fit gives is NaN.
     fn entry(&self, a: &Parameter, b: &Parameter) -> f64 {
         let correlation = match (a.place, b.place) {
             _ if a.error == 0.0 || b.error == 0.0 => return 0.0,
@@ -84,18 +84,18 @@ impl<'a> Parameters<'a> {
         correlation * (a.error * b.error)
     }
 
-    /// Each parameter in a line of a language.
+    /// A line for each parameter.
     pub fn lines(&self, line: impl Fn(&Parameter) -> String) -> String {
         self.all.iter().map(line).collect()
     }
 
-    /// Something of each, in a list.
+    /// An entry for each parameter, separated by commas.
     pub fn list(&self, of: impl Fn(&Parameter) -> String) -> String {
         self.all.iter().map(of).collect::<Vec<String>>().join(", ")
     }
 }
 
-/// A number of a language that calls what is none `nan`.
+/// A number in a language that writes NaN as `nan`.
 pub(crate) fn number(x: f64, nan: &str) -> String {
     match x.is_nan() {
         true => nan.into(),
@@ -103,13 +103,13 @@ pub(crate) fn number(x: f64, nan: &str) -> String {
     }
 }
 
-/// Numbers in a list.
+/// Numbers separated by commas.
 pub(crate) fn numbers(all: &[f64], nan: &str) -> String {
     let all: Vec<String> = all.iter().map(|x| number(*x, nan)).collect();
     all.join(", ")
 }
 
-/// A standard error: no number is known better than its digits say. NaN if it is not known.
+/// A standard error, at least as large as the rounding of the value; NaN if it is not known.
 fn as_written(value: f64, error: Option<f64>) -> f64 {
     let rounding = f64::EPSILON * value.abs();
     error.map_or(f64::NAN, |e| e.max(rounding))
@@ -138,7 +138,7 @@ fn coefficient(
     }
 }
 
-/// A term in characters of names: `dtheta^2*sin(theta)` is `dtheta2_sin_theta`.
+/// A term with operators as words, to be made a name: `dtheta^2*sin(theta)` is `dtheta2_sin(theta)`.
 fn spoken(term: &str) -> String {
     let words = [
         (" ", ""),
@@ -172,7 +172,7 @@ mod tests {
         }
     }
 
-    /// Two equations of a fit each, a stated coefficient, an unknown constant.
+    /// Two equations with a fit each, a stated coefficient, an unknown constant.
     #[test]
     fn covariances_are_those_of_each_fit() {
         let signals = [0, 1, 2].map(|i| Signal::derivative(VarId(0), i));

@@ -17,42 +17,42 @@ pub(crate) struct Dialect {
     pub target: &'static str,
     /// One line for help texts.
     pub about: &'static str,
-    /// The language as error messages call it.
+    /// The name of the language in error messages.
     pub language: &'static str,
     pub indent: &'static str,
-    /// What stands before a name that is declared.
+    /// Text before a name in its declaration.
     pub declares: &'static str,
     /// What ends a statement.
     pub end: &'static str,
-    /// Number of an array's first element, and the brackets around it.
+    /// Index of an array's first element, and the brackets around an index.
     pub index: (usize, &'static str, &'static str),
     /// What ends a function.
     pub close: &'static str,
     /// True if a function must stand before its callers.
     pub helpers_first: bool,
-    /// Words that no name may be.
+    /// Words that cannot be names.
     pub reserved: &'static [&'static str],
 }
 
-/// A language: its dialect, and what no other language shares.
+/// A language: its dialect, and the code that it shares with no other.
 pub(crate) trait Language: Syntax + Sized + Sync {
     const DIALECT: Dialect;
 
-    /// A function of the table in this language; empty if it has none.
+    /// The name of a function of the model language in this language; empty if there is none.
     fn spelling(f: Func) -> &'static str;
 
     /// # Errors
-    /// What this language cannot say of the system.
+    /// What this language cannot express.
     fn check(&self, _program: &Program) -> Result<(), String> {
         Ok(())
     }
 
-    /// Whether a function is written; languages that differentiate need no Jacobians.
+    /// Whether a function is written; languages with automatic differentiation need no Jacobians.
     fn writes(&self, _kind: Kind) -> bool {
         true
     }
 
-    /// What stands before all functions.
+    /// Text before the first function.
     fn header(&self, d: &Discovery, program: &Program) -> String;
 
     /// A function up to its first statement.
@@ -63,7 +63,7 @@ pub(crate) trait Language: Syntax + Sized + Sync {
         number
     }
 
-    /// The helper that solves so many linear equations and returns rows.
+    /// The name of the helper that solves this many linear equations and returns rows.
     fn solver(&self, _equations: usize) -> &'static str {
         ""
     }
@@ -83,21 +83,21 @@ pub(crate) trait Language: Syntax + Sized + Sync {
     /// Returns a vector with these entries.
     fn vector(&self, p: &Printer<Self>, entries: &[String]) -> String;
 
-    /// What stands before and behind the assignments to a matrix that is zero elsewhere.
+    /// Text before and after the assignments to the nonzero entries of a matrix.
     fn matrix(&self, f: &Function) -> (String, String);
 
-    /// An entry of that matrix.
+    /// An entry of the matrix.
     fn cell(&self, f: &Function, row: usize, column: usize) -> String;
 
     /// The helpers that the code calls.
     fn helpers(&self, program: &Program) -> String;
 
-    /// The whole file as it is given away.
+    /// Last changes to the whole file.
     fn finished(&self, _program: &Program, text: String) -> String {
         text
     }
 
-    /// What stands behind all functions.
+    /// Text after the last function.
     fn last(&self, _program: &Program) -> String {
         String::new()
     }
@@ -117,7 +117,7 @@ impl<L: Language> Target for L {
         self.check(&program)?;
         program.check_calls(L::DIALECT.language, L::spelling)?;
         let reserved = L::DIALECT.reserved.iter().copied();
-        // As they are in the finished file, too.
+        // `finished` may rename the emitted functions; their new names are reserved, too.
         let finished: Vec<String> = reserved
             .clone()
             .map(|word| self.finished(&program, word.into()))
@@ -171,7 +171,7 @@ fn function<L: Language>(
     out + L::DIALECT.close
 }
 
-/// Writes the statements of one function. Depths count indentations.
+/// Writes the statements of one function. `depth` is the number of indentations.
 pub(crate) struct Printer<'a, L> {
     language: &'a L,
     pub function: &'a Function,
@@ -194,7 +194,7 @@ impl<L: Language> Printer<'_, L> {
         format!("{array}{open}{}{close}", place + first)
     }
 
-    /// Signals from the elements of an array; `None` is left out.
+    /// Declares signals as elements of an array; `None` is skipped.
     pub fn unpack(&self, depth: usize, array: &str, signals: &[Option<Signal>]) -> String {
         let named = signals.iter().enumerate();
         let named = named.filter_map(|(i, s)| Some((i, (*s)?)));
@@ -203,7 +203,7 @@ impl<L: Language> Printer<'_, L> {
             .collect()
     }
 
-    /// The nodes that a Newton loop names.
+    /// Declares the nodes that a Newton loop names.
     pub fn named_inside(&self, n: &Newton) -> String {
         let each = n.named_inside.iter().map(|node| {
             let name = self.infix.name(Name::Node(*node));
@@ -239,7 +239,7 @@ pub(crate) fn used_helpers(all: &[(bool, &str)]) -> String {
     used.map(|(_, text)| *text).collect()
 }
 
-/// A text with the sizes and the arguments of a program.
+/// Fills in numbers of states and switches, and the arguments as declared and as passed.
 pub(crate) fn sized(program: &Program, text: &str, arguments: (String, String)) -> String {
     let (declared, passed) = arguments;
     text.replace("@N@", &program.form.state.len().to_string())

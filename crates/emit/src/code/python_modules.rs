@@ -1,6 +1,6 @@
-//! What the modules of Python have in common, whatever library computes.
+//! What Python modules have in common, whatever library they compute with.
 //!
-//! In: a program. Out: its constants as tuples, its functions up to their first statement, Newton loops, the words that no name may be.
+//! In: a program. Out: its constants as tuples, its functions up to their first statement, Newton loops, reserved words.
 
 use crate::code::bracket_lists::unpacked_names;
 use crate::code::identifiers::plain;
@@ -63,7 +63,7 @@ fn tuple(name: &str, all: &[String]) -> String {
     format!("{} = ({all})\n", name.to_uppercase())
 }
 
-/// `t, state, input` as a function takes them; constants have the values found as their default.
+/// `t, state, input` as a function takes them; constants default to the values found.
 pub(crate) fn parameters(program: &Program, f: &Function) -> String {
     let sides = program.arguments_of(f.kind).filter(|a| a.name == SIDES);
     let given = program
@@ -75,7 +75,7 @@ pub(crate) fn parameters(program: &Program, f: &Function) -> String {
     format!("t{}", all.collect::<String>())
 }
 
-/// `def derivatives(t, state):` and what it gives.
+/// `def derivatives(t, state):` and its docstring.
 pub(crate) fn definition(program: &Program, f: &Function) -> String {
     format!(
         "def {}({}):\n    \"\"\"{}\"\"\"\n",
@@ -85,7 +85,7 @@ pub(crate) fn definition(program: &Program, f: &Function) -> String {
     )
 }
 
-/// A call of the helper `_newton` with the function that it repeats.
+/// A call of the helper `_newton` with the function that it iterates.
 pub(crate) fn newton<L: Language>(p: &Printer<L>, n: &Newton) -> String {
     format!(
         "\n    def step(unknown):\n        {} = unknown\n{}        return {}\n\n    {} = _newton(step, {})\n",

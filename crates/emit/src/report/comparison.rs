@@ -1,6 +1,6 @@
 //! Several results on one page: their answers side by side, their predictions, their runs along the same records in one figure.
 //!
-//! In: subjects that share their data files. Out: one HTML file. Signals of two models are one where their names are. Judges nothing.
+//! In: subjects that share their data files. Out: one HTML file. Signals of different models are the same if their names are.
 
 use std::collections::BTreeSet;
 
@@ -17,13 +17,13 @@ use crate::typeset::mathml::escape;
 use sidc_lang::term::{Signal, SignalNames};
 use sidc_system::predict::SignalPrediction;
 
-/// Models that have a colour of their own.
+/// Number of models that have a colour of their own.
 pub const MAX_MODELS: usize = 6;
 const MAX_RECORDS: usize = 4;
 const MAX_FIGURES: usize = 10;
 const MAX_EQUATIONS: usize = 20;
 
-/// The page. Of more than [`MAX_MODELS`] the first are shown.
+/// The page. Only the first [`MAX_MODELS`] are shown.
 pub fn comparison(subjects: &[Subject]) -> String {
     let subjects = subjects
         .get(..MAX_MODELS.min(subjects.len()))
@@ -49,7 +49,7 @@ pub fn comparison(subjects: &[Subject]) -> String {
     )
 }
 
-/// A name before the line that stands for the model in figures.
+/// The name of a model with the line that stands for it in figures.
 fn head(i: usize, name: &str) -> String {
     format!("<span class=\"model-{}\">{}</span>", i + 1, escape(name))
 }
@@ -64,7 +64,7 @@ fn table(columns: &[String], rows: &str, what: &str) -> String {
     )
 }
 
-/// A row a model: how large it is, and the three answers.
+/// A row for each model: its number of terms, and the three answers.
 fn answer_table(subjects: &[Subject]) -> String {
     let rows = subjects.iter().enumerate().map(|(i, s)| {
         let terms: usize = s.discovery.equations.iter().map(|e| e.terms.len()).sum();
@@ -95,7 +95,7 @@ fn answer_table(subjects: &[Subject]) -> String {
     table(&columns, &rows, "the answers of each model")
 }
 
-/// Errors of the documents at their horizons, a row a signal; the least one in bold.
+/// Prediction errors at the horizon of each result, a row for each signal; the least one in bold.
 fn predictions(subjects: &[Subject]) -> String {
     let found = |s: &Subject, name: &str| -> Option<(f64, SignalPrediction)> {
         let p = &s.document.verdict.as_ref()?.prediction;
@@ -116,7 +116,7 @@ fn predictions(subjects: &[Subject]) -> String {
             .iter()
             .flatten()
             .all(|h| Some(*h) == horizons.iter().flatten().next().copied());
-        // Errors at different horizons are no contest.
+        // Errors at different horizons cannot be compared.
         let least = errors
             .iter()
             .flatten()
@@ -152,13 +152,13 @@ fn predictions(subjects: &[Subject]) -> String {
     lead(how) + &table(&columns("signal", subjects), &rows, "errors of prediction")
 }
 
-/// A first column, and one for each model.
+/// Headings of the first column, and of one for each model.
 fn columns(first: &str, subjects: &[Subject]) -> Vec<String> {
     let models = subjects.iter().enumerate().map(|(i, s)| head(i, s.name));
     std::iter::once(first.to_string()).chain(models).collect()
 }
 
-/// For each record, what each model had to do with it, the fits, and a figure for each signal.
+/// For each record, its role for each model, the fits, and a figure for each signal.
 fn runs(subjects: &[Subject]) -> String {
     let all: Vec<Vec<Record>> = subjects.iter().map(Subject::records).collect();
     let mut places = BTreeSet::new();
@@ -219,7 +219,7 @@ fn one_record(subjects: &[Subject], own: &[Along]) -> String {
     out
 }
 
-/// What the models had to do with a record, once if it is the same for all.
+/// The role of a record for each model, said once if it is the same for all.
 fn roles(own: &[Along]) -> String {
     let said = own
         .iter()
@@ -243,7 +243,7 @@ fn signal(s: &Subject, r: &Record, name: &str) -> Option<Signal> {
         .find(|x| s.discovery.name(*x) == name)
 }
 
-/// The worst fit of a signal along the record, of what was held out if anything was.
+/// The worst fit of a signal along the record; only of held-out data if there are any.
 fn fit(s: &Subject, r: &Record, name: &str) -> Option<f64> {
     let x = signal(s, r, name)?;
     let held = r.scores(x).any(|(held, _, _)| held);

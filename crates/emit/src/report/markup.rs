@@ -3,7 +3,7 @@
 use crate::typeset::mathml::escape;
 use sidc_lang::number::significant;
 
-/// A number with so many significant digits, a true minus sign and raised exponents.
+/// A number with `digits` significant digits, a true minus sign and raised exponents.
 pub(crate) fn number(x: f64, digits: usize) -> String {
     if !x.is_finite() {
         return match x.is_nan() {
@@ -27,7 +27,7 @@ pub(crate) fn number(x: f64, digits: usize) -> String {
     }
 }
 
-/// A number with so many decimals; a large one with three significant digits.
+/// A number with `decimals` decimals; a large one with three significant digits.
 pub(crate) fn fixed(x: f64, decimals: usize) -> String {
     match x.is_finite() && x.abs() < 1e4 {
         true => format!("{x:.decimals$}").replace('-', "−"),
@@ -67,7 +67,7 @@ pub(crate) fn paragraph(text: &str) -> String {
     format!("<p>{}</p>\n", escape(text))
 }
 
-/// A sentence in which backquotes enclose what is typed.
+/// A sentence in which backquotes enclose code.
 pub(crate) fn with_code(text: &str) -> String {
     let parts = text.split('`').enumerate();
     let parts = parts.map(|(i, part)| match i % 2 {
@@ -85,14 +85,14 @@ pub(crate) fn lead(text: &str) -> String {
 /// A part of the page that can be folded; one without a body is left out.
 #[derive(Default)]
 pub(crate) struct Section {
-    /// By which links find it.
+    /// The anchor of links to it.
     pub id: &'static str,
     pub title: &'static str,
     /// HTML.
     pub body: String,
 }
 
-/// The part that stands first and cannot be folded.
+/// The first part, which cannot be folded.
 pub(crate) fn section_head(id: &str, title: &str, body: &str) -> String {
     format!(
         "<section id=\"{id}\" aria-labelledby=\"{id}-title\">\n<h2 id=\"{id}-title\">{title}</h2>\n{body}</section>\n"

@@ -1,5 +1,5 @@
-//! A result as one page: the answer on a first screen, then parts that can be folded: reasons, coefficients, predictions, free runs and
-//! their errors, proofs, the data, how to repeat it.
+//! A result as one page: the answer on the first screen, then parts that can be folded: reasons, coefficients, predictions, free runs and
+//! their errors, proofs, the data, how to reproduce it.
 //!
 //! In: a [`Subject`]. Out: one HTML file without network access, the same bytes for the same subject. All text is
 //! escaped. Reads no files, simulates and judges nothing.
@@ -35,7 +35,7 @@ pub fn html(s: &Subject) -> String {
             data_coverage::html(s),
         ]
     };
-    // Sections that go through millions of samples are made in parallel, but in a browser, which starts no threads.
+    // Sections that go through millions of samples are made in parallel, except in a browser, where no threads can be started.
     let (series, [portraits, residuals, coverage]) = if cfg!(target_arch = "wasm32") {
         (trajectories::html(s), late())
     } else {
@@ -67,7 +67,7 @@ pub fn html(s: &Subject) -> String {
     page(&name.replace('_', " "), &about(s), &body, s.name)
 }
 
-/// A page of its own. `body` is HTML, the rest plain text.
+/// A complete page. `body` is HTML, the rest plain text.
 fn page(title: &str, about: &str, body: &str, file: &str) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\

@@ -17,27 +17,27 @@ pub struct Subject<'a> {
     /// File name of the document, without folders.
     pub name: &'a str,
     pub dataset: &'a Dataset,
-    /// Runs in the order of trajectories and their stretches; fewer if they were stopped.
+    /// Runs in the order of trajectories and their ranges; fewer if they were stopped.
     pub runs: &'a [RecordRun],
     /// The data files as they are now, in the order of [`Trajectory::file`].
     pub files: &'a [FileEntry],
 }
 
-/// A run along a record or a stretch of it.
+/// A run along a record or a range of it.
 #[derive(Clone, Debug)]
 pub struct RecordRun {
     /// Index of the trajectory.
     pub trajectory: usize,
-    /// True for a stretch held out of a record that the equations were found from.
+    /// True for a hold-out range of a record that the equations were found from.
     pub held_out: bool,
     /// `Err` says why there is none.
     pub run: Result<Run, String>,
 }
 
-/// What the equations had to do with a record.
+/// How the equations relate to a record.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Role {
-    /// They were found from it, except for stretches held out.
+    /// They were found from it, except for its hold-out ranges.
     Used(Vec<(f64, f64)>),
     /// It was held out as a whole.
     Held,
@@ -70,8 +70,7 @@ pub(crate) struct Record<'a> {
     pub runs: Vec<(bool, &'a Run)>,
 }
 
-/// The stretches of a record that are simulated by themselves: those held out, and those between. One unbounded
-/// stretch where nothing was held out.
+/// The ranges of a record that are simulated separately: hold-out ranges, and those between. One unbounded range if nothing was held out.
 pub fn run_windows(document: &Document, trajectory: &Trajectory) -> Vec<(bool, Window)> {
     let runs = document.validation.iter().flat_map(|v| &v.runs);
     let own = runs.filter(|r| r.record == trajectory.name);
@@ -179,7 +178,7 @@ impl<'a> Record<'a> {
         column.iter().any(|v| v.is_finite()).then_some(column)
     }
 
-    /// The readings of a signal at some instants; no number where there is none.
+    /// The readings of a signal at these times; NaN where there is none.
     pub fn read_at(&self, s: Signal, instants: &[f64]) -> Option<Vec<f64>> {
         let (column, time) = (self.measured(s)?, &self.trajectory.time);
         let at = |t: &f64| {
@@ -211,7 +210,7 @@ impl<'a> Record<'a> {
         })
     }
 
-    /// Times and values of a column of all runs, one after the other, separated by a row without value.
+    /// Times and values of a column of all runs, one after the other, separated by a NaN.
     fn joined(
         &self,
         column: impl Fn(&Run) -> Option<Cow<'_, [f64]>>,
@@ -246,7 +245,7 @@ impl<'a> Record<'a> {
         })
     }
 
-    /// Times and residuals, simulated minus measured; without value where either is missing or the start was fitted.
+    /// Times and residuals, simulated minus measured; NaN where either is missing or the start was fitted.
     pub fn residual(&self, s: Signal) -> Option<(Vec<f64>, Vec<f64>)> {
         self.joined(|run| residual(run, s).map(Cow::Owned))
     }

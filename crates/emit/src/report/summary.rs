@@ -1,6 +1,6 @@
-//! The first part of a report by itself, to stand among other things on a page: in the output of a notebook's cell.
+//! The first part of a report alone, for a page with other content, such as the output of a notebook cell.
 //!
-//! In: a discovery with its document. Out: one element of HTML whose style reaches nothing outside it. Shows no data.
+//! In: a discovery with its document. Out: one HTML element whose style affects nothing outside it. Shows no data.
 
 use super::STYLE;
 use super::report_contents::Subject;
@@ -34,7 +34,7 @@ pub fn summary(discovery: &Discovery, document: &Document) -> String {
     )
 }
 
-/// The style of the page for what stands in the element: its rules nested, those of the root for the element itself.
+/// The style of the page, limited to the element: its rules are nested, and those of `:root` apply to the element itself.
 fn scoped_style() -> String {
     let own =
         "background: var(--paper); color: var(--ink); padding: 0.2rem 0.8rem; max-width: 66rem;";

@@ -1,6 +1,6 @@
 //! CasADi: functions of its symbols or numbers, and `casadi.Function`s of them for optimal control and estimation.
 //!
-//! Coupled equations are solved in symbols. Jacobians are CasADi's to take, so none are written.
+//! Coupled equations are solved in symbols. CasADi differentiates by itself, so no Jacobians are written.
 
 use crate::caveats::{caveats, python_constants};
 use crate::code::autodiff_modules::Autodiff;

@@ -1,6 +1,6 @@
 //! JAX: a module of functions of time, state and input that `jit`, `vmap` and `jacfwd` take.
 //!
-//! Coupled equations are solved at every call. Jacobians are JAX's to take, so none are written.
+//! Coupled equations are solved at every call. JAX differentiates by itself, so no Jacobians are written.
 
 use crate::caveats::{caveats, python_constants};
 use crate::code::autodiff_modules::Autodiff;
@@ -64,7 +64,7 @@ def _solve(mass, right):
     return jnp.linalg.solve(_matrix(mass), _matrix(right))
 ";
 
-/// A loop of fixed length has derivatives in both directions.
+/// JAX differentiates a loop of fixed length in forward and in reverse mode.
 const NEWTON: &str = "
 
 def _newton(step, size):

@@ -1,4 +1,4 @@
-//! Julia: a system of ModelingToolkit, whose equations are those that were found.
+//! Julia: a ModelingToolkit system with the equations as they were found.
 //!
 //! Discrete time is refused.
 

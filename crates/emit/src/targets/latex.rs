@@ -1,4 +1,4 @@
-//! LaTeX: a document with one `align*` block. It needs amsmath, nothing else.
+//! LaTeX: a document with the equations in an `align*` block. It needs amsmath, nothing else.
 
 use crate::caveats::{caveats, verdict_summary};
 use crate::code::identifiers::titled;

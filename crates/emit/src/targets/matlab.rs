@@ -1,4 +1,4 @@
-//! MATLAB and Octave: a function file for `ode45` and its kin.
+//! MATLAB and Octave: a function file for solvers such as `ode45`.
 //!
 //! Coupled equations are solved at every call, by Newton's method where they are not linear in the highest
 //! derivatives. Functions whose value would be complex return NaN.
@@ -155,7 +155,7 @@ const KINDS: [Kind; 4] = [
     Kind::Outputs,
 ];
 
-/// The numbers that were found, as fields of the struct.
+/// The estimated parameters as fields of the struct.
 fn parameters(d: &Discovery) -> String {
     let parameters = Parameters::new(d);
     if parameters.is_empty() {
@@ -274,7 +274,7 @@ fn main(d: &Discovery, program: &Program) -> String {
     out
 }
 
-/// The arguments of the main function where steps from event to event are asked for by name.
+/// Unpacks the arguments of the main function, the first of which may name a function that steps from event to event.
 fn unpacked(program: &Program) -> String {
     let mut out = String::from(
         "  if ischar(varargin{1})\n    [rate, slope] = feval(str2func(varargin{1}), varargin{2:end});\n    return\n  end\n  t = varargin{1};\n",

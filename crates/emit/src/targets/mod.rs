@@ -1,4 +1,4 @@
-//! The export targets, a file or a folder each, and their registry. Targets are alternatives: none imports another.
+//! The export targets, a file or a folder each, and their registry. None imports another.
 
 mod casadi;
 mod fmi;

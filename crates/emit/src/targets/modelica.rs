@@ -1,4 +1,4 @@
-//! Modelica: a model whose equations are those that were found, implicit ones as they are.
+//! Modelica: a model with the equations as they were found, implicit ones too.
 //!
 //! Delayed inputs go through `delay`. Discrete time is refused.
 
@@ -71,7 +71,7 @@ struct Model<'a> {
     d: &'a Discovery,
     program: &'a Program,
     infix: &'a Infix<'a, Words>,
-    /// Names that are still free.
+    /// Finds free names for the commands of delayed inputs.
     commands: Identifiers,
     /// Declarations.
     out: String,
@@ -99,7 +99,7 @@ impl Model<'_> {
         }
     }
 
-    /// Inputs by the names that they have in the model; a delayed one is commanded by another name.
+    /// Inputs under their names in the model; a delayed input takes its command under another name.
     fn inputs(&mut self) {
         let form = &self.program.form;
         let delays = delays(self.d, &form.inputs);
@@ -146,7 +146,7 @@ impl Model<'_> {
         }
     }
 
-    /// `(unit="m.s-1")`; empty where there is no unit that Modelica could read.
+    /// `(unit="m.s-1")`; a display unit if Modelica cannot read the unit, empty if there is none.
     fn unit(&self, s: Signal) -> String {
         let Some(unit) = self.d.unit(s) else {
             return String::new();

@@ -149,7 +149,7 @@ impl Syntax for Python {
     }
 }
 
-/// The numbers that were found, as tuples.
+/// The estimated parameters as tuples.
 fn parameters(d: &Discovery) -> String {
     let parameters = Parameters::new(d);
     if parameters.is_empty() {

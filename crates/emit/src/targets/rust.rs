@@ -82,7 +82,7 @@ impl Language for Rust {
         )
     }
 
-    /// Two unknowns have a solver without loops.
+    /// Systems of two unknowns have a solver of their own.
     fn solver(&self, equations: usize) -> &'static str {
         if equations == 2 { "solve_2" } else { "solve" }
     }
@@ -143,7 +143,7 @@ impl Language for Rust {
     }
 }
 
-/// The numbers that were found, as constants.
+/// The estimated parameters as constants.
 fn parameters(d: &Discovery) -> String {
     let parameters = Parameters::new(d);
     let count = parameters.all.len();
@@ -195,7 +195,7 @@ impl Syntax for Rust {
 /// Steps from event to event.
 const STEPS: &str = include_str!("event_steps/steps.rs.txt");
 
-/// A step of the equations.
+/// One Runge–Kutta step.
 const STEP: &str = "
 /// One step of length h by the classical method of Runge and Kutta; what is not the state is held during it.
 #[allow(dead_code, clippy::all)]
@@ -210,7 +210,7 @@ pub fn step(t: f64, h: f64, state: &[f64; @N@]@ARGS@) -> [f64; @N@] {
 }
 ";
 
-/// Without loops, three times as fast as `SOLVE`.
+/// Without loops over rows, three times as fast as `SOLVE`.
 const SOLVE_2: &str = "
 /// Solves a linear system of two unknowns, column by column of the right side; NaN where it is singular.
 #[inline]

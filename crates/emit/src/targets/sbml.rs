@@ -1,6 +1,6 @@
 //! SBML, level 3 version 2: parameters with rate rules, for the simulators and databases of systems biology.
 //!
-//! Refused are discrete time and equations that are solved together, which few simulators can.
+//! Discrete time is refused, and so are equations that have to be solved together, which few simulators support.
 
 use crate::caveats::{caveats, verdict_summary};
 use crate::code::equation_list::check_continuous;
@@ -54,7 +54,7 @@ struct Document {
 }
 
 impl Document {
-    /// What is neither computed nor a state: inputs and parameters are to be set by who simulates.
+    /// What no formula gives. Inputs and parameters have to be set for a simulation.
     fn given(&mut self, program: &Program, names: &Identifiers) {
         let form = &program.form;
         for s in form.state.iter().chain(&form.inputs).chain(&form.history) {
@@ -242,7 +242,7 @@ fn call(f: Func, arguments: &[String]) -> String {
     }
 }
 
-/// What `infix` readers of simulators take for something else.
+/// Words that the formula parsers of simulators take for something else.
 #[rustfmt::skip]
 const RESERVED: &[&str] = &[
     "time", "t", "pi", "avogadro", "delay", "rateOf", "true", "false", "infinity", "notanumber", "exponentiale",

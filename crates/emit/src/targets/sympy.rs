@@ -68,7 +68,7 @@ fn header(d: &Discovery, program: &Program) -> String {
     out
 }
 
-/// A symbol for every signal; a list of them for every argument.
+/// A symbol for every signal; a column of symbols for every argument.
 fn symbols(d: &Discovery, program: &Program, names: &Identifiers) -> String {
     let mut out = String::from("t = sp.Symbol(\"t\", real=True)\n");
     for (s, shown) in &program.names {

@@ -1,6 +1,7 @@
-//! The answer on one screen: the equations to their own precision, the three answers, the foremost reasons with what to do.
+//! The answer on one screen: the equations with the digits that their standard errors justify, the three answers, the foremost reasons with
+//! what to do.
 //!
-//! In: a discovery, its verdict. Out: text. What is behind it is [`super::evidence`].
+//! In: a discovery, its verdict. Out: text. The figures behind it are in [`super::evidence`].
 
 use std::collections::BTreeSet;
 
@@ -43,7 +44,7 @@ fn lines(sentences: impl Iterator<Item = String>) -> String {
     wrapped.map(|l| format!("{l}\n")).collect()
 }
 
-/// What is known of the sparsest equations, where that was asked.
+/// What is known of the sparsest equations, if that was asked.
 fn sparsest_answers(d: &Discovery) -> String {
     let mut out = String::new();
     for e in &d.equations {

@@ -1,11 +1,11 @@
-//! What the certificate says over the range of an unknown constant, as a line.
+//! One line on what the certificate proves over the range of an unknown constant.
 //!
 //! In: the figures of the proof. Out: a sentence. Judges nothing.
 
 use sidc_lang::number::significant;
 use sidc_system::discovery::RangeCertificate;
 
-/// Over which values nothing has a smaller norm, and what has beyond.
+/// The values at which nothing has a smaller norm, and what has one at other values.
 pub(super) fn line(r: &RangeCertificate) -> String {
     let name = &r.unknown;
     let kept = match r.kept.is_empty() {

@@ -87,7 +87,7 @@ pub fn remarks(d: &Discovery, e: &Equation) -> Vec<String> {
     lines
 }
 
-/// Which repeated law the equation replaced.
+/// The law that the equation replaced because it repeats another one.
 fn independent(r: &Rearranged) -> Option<String> {
     let other = r.other.as_ref().filter(|_| r.independent)?;
     let terms: Vec<&str> = other.terms.iter().map(|(t, _)| t.as_str()).collect();
@@ -99,7 +99,7 @@ fn independent(r: &Rearranged) -> Option<String> {
     ))
 }
 
-/// Residuals of the trajectory, gain of the terms, and errors of the coefficients.
+/// Residuals of the trajectory, the search for terms, and sets of terms that are nearly as good.
 fn jointly(d: &Discovery, evidence: &Evidence, t: &JointEvidence) -> Vec<String> {
     let mut lines: Vec<String> = match &t.disturbance {
         None => t.channels.iter().flat_map(|c| channel(d, c)).collect(),
@@ -135,7 +135,7 @@ fn whiteness(c: &ChannelFit) -> String {
     }
 }
 
-/// A channel of laws that are disturbed.
+/// The fit of a channel whose laws are disturbed: predictions one sample ahead.
 fn innovations(c: &ChannelFit) -> String {
     format!(
         "fit: {} one sample ahead to {} ({} of its spread), errors {}; noise of its sensor {}",
@@ -269,7 +269,7 @@ fn proof(e: &Evidence) -> String {
     }
 }
 
-/// Which norm is meant.
+/// The name of the norm.
 fn norm(p: &Proof) -> String {
     let Some(NormGrading {
         base,

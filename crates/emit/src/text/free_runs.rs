@@ -5,7 +5,7 @@ use sidc_lang::number::significant;
 use sidc_system::simulate::Figures;
 use sidc_system::validate::{FreeRun, Validation};
 
-/// A line for each signal and stretch; empty if nothing was simulated.
+/// A line for each signal and range; empty if nothing was simulated.
 pub fn validation(v: &Validation) -> String {
     let rows: Vec<[String; 6]> = v.runs.iter().flat_map(stretch).collect();
     if rows.is_empty() {

@@ -5,7 +5,7 @@
 use sidc_lang::number::significant;
 use sidc_system::discovery::{Excitation, Finding, Identifiability, Leverage, Relation};
 
-/// Relations and findings printed on request.
+/// Most relations that are printed.
 const MAX_LISTED_RELATIONS: usize = 12;
 
 /// Ranges and spectra of all signals, each once.

@@ -8,7 +8,7 @@ use sidc_system::discovery::{Discovery, FoundTerm};
 pub(crate) const LINE_WIDTH: usize = 100;
 /// Widest line of words, in characters.
 pub const TEXT_WIDTH: usize = 118;
-/// Significant digits of a coefficient that is known better.
+/// Most significant digits of a coefficient.
 const DIGITS: usize = 6;
 
 /// A left side and its terms; a newline ends every line.

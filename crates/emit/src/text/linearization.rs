@@ -1,6 +1,6 @@
 //! Local analysis in plain text: the point, A and B, eigenvalues, stability, controllability.
 //!
-//! In: a [`LocalAnalysis`]. Out: lines. Computes only units.
+//! In: a [`LocalAnalysis`]. Out: lines. Computes nothing.
 
 use crate::text::eigenvalues::eigenvalues;
 use crate::text::matrices::{law, state_space};
@@ -166,7 +166,7 @@ fn controllability(d: &Discovery, near: &LocalAnalysis) -> String {
     }
 }
 
-/// Warnings of kinks at the point, each with its sides.
+/// Warnings about kinks at the point, each with its sides.
 pub fn kink_warnings(d: &Discovery, near: &LocalAnalysis) -> Vec<Notice> {
     let points = near.nonsmooth.iter();
     points

@@ -169,7 +169,7 @@ fn divisor(d: &Discovery, below: &Expr) -> String {
     }
 }
 
-/// The equation in which A and B stand.
+/// The state equation that A and B belong to.
 pub(crate) fn law(l: &Linear, x: &str, u: &str) -> String {
     let left = if l.discrete { "x[k+1]" } else { "dx/dt" };
     let input = match l.inputs.is_empty() {

@@ -1,6 +1,6 @@
 //! Other ways to write the relations of coupled equations, as text.
 //!
-//! In: a discovery. Out: lines. What is told in the answer is what a user may want to choose; the evidence has what was searched.
+//! In: a discovery. Out: lines. The answer gets what a user may want to choose, the evidence what was searched.
 
 use crate::text::layout::sum_lines;
 use crate::thresholds::PRINTED;

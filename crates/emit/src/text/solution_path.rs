@@ -1,4 +1,4 @@
-//! The solution path of an equation as a table: how it grows term by term as the tolerance falls.
+//! The solution path of an equation as a table: how it grows term by term as the penalty falls.
 
 use crate::text::layout::column_widths;
 use crate::thresholds::PRINTED;

@@ -1,4 +1,4 @@
-//! What is known of the fewest terms that fit, as text.
+//! What is known of the sparsest equation that fits, as text.
 
 use crate::thresholds::PRINTED;
 use sidc_lang::number::significant;

@@ -1,6 +1,6 @@
 //! The three answers as text: the law, the prediction, the run, a line each.
 //!
-//! In: a discovery, its verdict. Out: lines of at most 120 characters. Says nothing that the verdict does not hold.
+//! In: a discovery, its verdict. Out: lines of at most [`TEXT_WIDTH`] characters. Says nothing that the verdict does not hold.
 
 use crate::text::coefficient_inference::firmness;
 use crate::text::layout::{self, TEXT_WIDTH};
@@ -43,7 +43,7 @@ fn parts(d: &Discovery, v: &Verdict) -> [(&'static str, Vec<String>); 3] {
     ]
 }
 
-/// Parts with commas between, broken between parts.
+/// Parts separated by commas; a line ends between parts.
 fn wrapped(name: &str, parts: &[String]) -> String {
     let mut out = format!("{name}: ");
     let mut width = out.chars().count();
@@ -164,7 +164,7 @@ fn prediction(d: &Discovery, p: &Prediction, data: &str) -> Vec<String> {
     parts
 }
 
-/// Of each variable its lowest derivative that is measured, and what was asked for by name.
+/// The lowest measured derivative of each variable, and every signal that misses the limit of `--good`.
 pub(crate) fn shown<'a>(d: &Discovery, p: &'a Prediction) -> Vec<&'a SignalPrediction> {
     let lowest = |var: usize, order: u8| {
         let names = (0..=order).map(|der| d.name(Signal::derivative(VarId(var as u16), der)));
@@ -194,7 +194,7 @@ fn signal(s: &SignalPrediction) -> String {
     )
 }
 
-/// Where predictions on data held out miss a band twice as often as the one in ten that it promises.
+/// Set if predictions of held-out data miss a band more than twice as often as the one time in ten that it promises.
 fn missed(s: &SignalPrediction) -> Option<String> {
     let band = s.band.as_ref()?;
     let held = band.held_out.as_ref().filter(|h| h.fixed < 0.8)?;
@@ -206,7 +206,7 @@ fn missed(s: &SignalPrediction) -> Option<String> {
     ))
 }
 
-/// The error of the equations; one that only says how exactly was computed is told as below a bound.
+/// The error of the equations; one that is only rounding is given as a bound.
 fn error(s: &SignalPrediction) -> String {
     let rounding = PRINTED.exact_prediction * s.spread;
     match s.error.quantile_90 {
@@ -235,8 +235,8 @@ impl Rival {
     }
 }
 
-/// What predicts every signal better than the equations do, where that is more than rounding. Beyond the time that chaos can be followed, a
-/// rival's figure means as little as theirs: there it has to be better from the first step on.
+/// What predicts every signal better than the equations do, if their errors are more than rounding. A chaotic motion cannot be predicted
+/// for long by anything: there a rival has to be better from the first step on.
 pub fn rival(d: &Discovery, p: &Prediction) -> Option<Rival> {
     let signals = shown(d, p);
     let chaotic = signals.iter().any(|s| s.follows.is_some());
@@ -269,7 +269,7 @@ fn loses(s: &SignalPrediction, own: ErrorFigures, other: Option<ErrorFigures>) -
     visible && other.and_then(|e| e.quantile_90).is_some_and(|r| r < own)
 }
 
-/// What is to be tried where something simpler predicts better than equations that nothing else speaks against.
+/// What to try if something simpler predicts better than equations that have no other doubt.
 pub fn instead(d: &Discovery, rival: Rival) -> String {
     match rival {
         Rival::NoChange => {
@@ -290,7 +290,7 @@ pub fn instead(d: &Discovery, rival: Rival) -> String {
     }
 }
 
-/// Until when the first signal stays below half its spread.
+/// The earliest time at which the error of a signal reaches half its spread.
 fn until(p: &Prediction) -> Option<String> {
     let reached = p
         .signals

@@ -24,7 +24,7 @@ pub(crate) fn matrices(d: &Discovery, notation: &impl Notation) -> String {
     coupled.chain(linear).collect()
 }
 
-/// Terms with their signs, `a + b - c`, in lines of about that many characters.
+/// Terms with their signs, `a + b - c`, in lines of about `width` characters.
 fn lines(n: &impl Notation, terms: &[(f64, &Term)], width: usize) -> Vec<String> {
     if terms.is_empty() {
         return vec!["0".into()];
@@ -74,7 +74,7 @@ fn weighted(n: &impl Notation, size: f64, t: &Term) -> String {
     }
 }
 
-/// A sum in one piece, over several lines if it is wider than that.
+/// A sum as one formula, over several lines if it is wider than `width`.
 fn piece(n: &impl Notation, e: &Expr, width: usize) -> String {
     let lines = lines(n, &simplest_first(e), width);
     match lines.as_slice() {

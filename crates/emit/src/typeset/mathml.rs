@@ -30,7 +30,7 @@ pub fn escape(text: &str) -> String {
     out
 }
 
-/// Significant digits of a number that is known better.
+/// Most significant digits of a number.
 const DIGITS: usize = 6;
 
 impl MathMl<'_> {
@@ -44,8 +44,8 @@ impl MathMl<'_> {
         format!("<math>{}</math>", row(&write_term(self, term).0))
     }
 
-    /// The equation in pieces: target and equals sign, then each term with its sign and its coefficient to its own precision: six digits, or
-    /// fewer with the standard error in the last two.
+    /// The equation in pieces: target and equals sign, then each term with its sign and its coefficient, which has six digits, or fewer
+    /// with the standard error in the last two.
     pub fn equation(&self, e: &Equation) -> Vec<String> {
         let left = format!("<math>{}<mo>=</mo></math>", self.signal(e.target));
         let terms = e.terms.iter().enumerate();
@@ -157,7 +157,6 @@ impl Notation for MathMl<'_> {
     }
 }
 
-/// One element, whatever is in it.
 /// A number as it is printed, its exponent raised.
 fn figures(text: &str) -> String {
     let text = text.replace('-', "−");
@@ -169,6 +168,7 @@ fn figures(text: &str) -> String {
     }
 }
 
+/// One element, whatever is in it.
 fn row(inner: &str) -> String {
     format!("<mrow>{inner}</mrow>")
 }

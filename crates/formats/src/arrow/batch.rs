@@ -1,4 +1,4 @@
-//! Rows that were written together: buffers of numbers and texts, one column behind the other.
+//! A record batch: rows that were written together, as buffers of numbers and texts, one column after the other.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -11,7 +11,7 @@ use crate::fault::Fault;
 use crate::gathered::{Gathered, Meaning};
 use crate::packing::Packing;
 
-/// Values that columns are looked up in, by their number.
+/// The values of dictionary-encoded columns, by the id of the dictionary.
 pub(super) type Dictionaries = BTreeMap<i64, Vec<Value>>;
 
 /// A value of a column.
@@ -24,22 +24,22 @@ pub(super) enum Value {
     Text(String),
 }
 
-/// What is left of a batch.
+/// What is left to read of a batch. Lists are in reverse order, the next entry last.
 pub(super) struct Batch<'a, 'b> {
     body: &'a [u8],
-    /// Rows, and how many are missing, of each field.
+    /// Number of rows, and of missing values, of each field.
     nodes: Vec<(i64, i64)>,
     /// Place and length of each buffer.
     buffers: Vec<(i64, i64)>,
-    /// How many buffers the texts of each column of views have.
+    /// Number of text buffers of each column of views.
     views: Vec<i64>,
     packing: Option<Packing>,
     dictionaries: &'b Dictionaries,
-    /// Bytes that were unpacked and are given back.
+    /// Bytes of the budget that are given back after the batch.
     unpacked: u64,
 }
 
-/// Bits that tell which values are there, of a column and of those that it lies in.
+/// Validity bitmaps of a column and of the structures around it.
 #[derive(Clone, Default)]
 struct Present<'a> {
     masks: Vec<Cow<'a, [u8]>>,
@@ -91,12 +91,12 @@ impl<'a, 'b> Batch<'a, 'b> {
         })
     }
 
-    /// Bytes to give back when the batch is read.
+    /// Bytes to give back once the batch is read.
     pub(super) fn given_back(&self) -> u64 {
         self.unpacked
     }
 
-    /// The rows of every column, handed on with the place that the column has among all.
+    /// Appends the rows of every column to `out`, where the columns have the same order.
     pub(super) fn columns(
         &mut self,
         fields: &[Field],
@@ -133,7 +133,7 @@ impl<'a, 'b> Batch<'a, 'b> {
         self.values(field, inside, each, budget).map_err(within)
     }
 
-    /// Leaves out the buffers of what is no column.
+    /// Skips the buffers of a field that is not read.
     fn pass_over(&mut self, field: &Field) -> Result<(), Fault> {
         self.node()?;
         let (count, views) = match field.layout {
@@ -253,7 +253,7 @@ impl<'a, 'b> Batch<'a, 'b> {
         Ok(())
     }
 
-    /// Texts of views: up to twelve bytes stand in the view, others in one of several buffers.
+    /// Texts of views: up to twelve bytes are in the view itself, longer ones in one of several buffers.
     fn viewed(
         &mut self,
         rows: usize,
@@ -287,14 +287,14 @@ impl<'a, 'b> Batch<'a, 'b> {
         Ok(())
     }
 
-    /// Rows of the next field.
+    /// Number of rows of the next field.
     fn node(&mut self) -> Result<usize, Fault> {
         let node = self.nodes.pop();
         let rows = node.and_then(|(rows, _)| usize::try_from(rows).ok());
         rows.ok_or_else(|| Fault::damaged("a column has no rows"))
     }
 
-    /// Which values of the next field are there, and lie in values that are.
+    /// Which values of the next field are present, in structures that are present.
     fn mask(
         &mut self,
         rows: usize,
@@ -310,7 +310,7 @@ impl<'a, 'b> Batch<'a, 'b> {
         Ok(present)
     }
 
-    /// A buffer of so many numbers at least.
+    /// The next buffer, which has at least `count` numbers.
     fn cells(
         &mut self,
         count: usize,
@@ -337,7 +337,7 @@ impl<'a, 'b> Batch<'a, 'b> {
         };
         let (announced, packed) = bytes.split_at_checked(8).ok_or_else(broken)?;
         let announced = bits(announced, false);
-        // All bits say that what follows is not packed.
+        // A length with all bits set means that the bytes are not compressed.
         if announced == u64::MAX {
             return Ok(Cow::Borrowed(packed));
         }

@@ -1,6 +1,6 @@
-//! Tables of FlatBuffers, in which Arrow says what its bytes are.
+//! FlatBuffers tables, with which Arrow describes its bytes.
 //!
-//! Every offset is looked up, none is trusted. Source: the FlatBuffers documentation, "FlatBuffer Internals".
+//! Every offset is checked. Source: the FlatBuffers documentation, "FlatBuffer Internals".
 
 use crate::bytes::bits;
 use crate::fault::Fault;
@@ -12,7 +12,7 @@ pub(super) struct Table<'a> {
     at: usize,
 }
 
-/// A vector in a buffer: where its first element stands, and how many there are.
+/// A vector in a buffer: where its first element is, and how many there are.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Vector<'a> {
     bytes: &'a [u8],
@@ -24,14 +24,14 @@ fn broken() -> Fault {
     Fault::damaged("it is no whole Arrow file (an offset leads out of its message)")
 }
 
-/// A whole number of so many bytes, without a sign.
+/// An unsigned whole number of `size` bytes.
 fn number(bytes: &[u8], at: usize, size: usize) -> Result<u64, Fault> {
     let end = at.checked_add(size).ok_or_else(broken)?;
     let cell = bytes.get(at..end).ok_or_else(broken)?;
     Ok(bits(cell, false))
 }
 
-/// Where the offset at a place leads.
+/// Where the offset at this place leads.
 fn follow(bytes: &[u8], at: usize) -> Result<usize, Fault> {
     let offset = number(bytes, at, 4)? as usize;
     at.checked_add(offset).ok_or_else(broken)
@@ -43,7 +43,7 @@ impl<'a> Table<'a> {
         Ok(Table { bytes, at })
     }
 
-    /// Where a field stands; none if it has its default.
+    /// Where a field is; `None` if it has its default.
     fn field(&self, index: usize) -> Result<Option<usize>, Fault> {
         let back = number(self.bytes, self.at, 4)? as u32 as i32;
         let list = (self.at as i64).checked_sub(i64::from(back));
@@ -58,7 +58,7 @@ impl<'a> Table<'a> {
         Ok((offset > 0).then(|| self.at.saturating_add(offset)))
     }
 
-    /// A whole number of so many bytes, with its sign.
+    /// A signed whole number of `size` bytes.
     pub(super) fn whole(&self, index: usize, size: u8, default: i64) -> Result<i64, Fault> {
         let Some(at) = self.field(index)? else {
             return Ok(default);
@@ -77,12 +77,12 @@ impl<'a> Table<'a> {
     }
 
     /// # Errors
-    /// Damage, also where there is none.
+    /// Damage, or the field is missing.
     pub(super) fn needed(&self, index: usize) -> Result<Table<'a>, Fault> {
         self.table(index)?.ok_or_else(broken)
     }
 
-    /// A vector of elements of so many bytes; empty where there is none.
+    /// A vector of elements of `size` bytes; empty if the field is missing.
     pub(super) fn vector(&self, index: usize, size: usize) -> Result<Vector<'a>, Fault> {
         let bytes = self.bytes;
         let Some(at) = self.field(index)? else {
@@ -121,13 +121,13 @@ impl<'a> Vector<'a> {
         })
     }
 
-    /// The whole numbers of eight bytes at the beginning of its elements.
+    /// The first eight bytes of each element as a whole number.
     pub(super) fn firsts(self, size: usize) -> impl Iterator<Item = Result<i64, Fault>> {
         let places = (0..self.count).map(move |k| self.at + size * k);
         places.map(move |place| Ok(number(self.bytes, place, 8)? as i64))
     }
 
-    /// Its pairs of such numbers.
+    /// Its elements of sixteen bytes as pairs of whole numbers.
     pub(super) fn pairs(self) -> impl Iterator<Item = Result<(i64, i64), Fault>> {
         let places = (0..self.count).map(move |k| self.at + 16 * k);
         places.map(move |place| {

@@ -1,6 +1,6 @@
 //! Files and streams of Arrow (IPC): what pyarrow, pandas and polars write as Feather and `.arrow`.
 //!
-//! In: bytes. Out: named columns; the fields of a structure are joined by `_`, lists are no columns. Source: Apache Arrow, "Arrow Columnar
+//! In: bytes. Out: named columns; the fields of a structure are joined by `_`, lists are not read. Source: Apache Arrow, "Arrow Columnar
 //! Format", version 1.5.
 
 mod batch;
@@ -22,7 +22,7 @@ const SCHEMA: i64 = 1;
 const DICTIONARY: i64 = 2;
 const ROWS: i64 = 3;
 
-/// Places of messages in the last part of a file, by their fields, and the bytes of each.
+/// Fields of the footer that say where messages are, and the bytes of one entry.
 const DICTIONARIES: usize = 2;
 const BATCHES: usize = 3;
 const BLOCK: usize = 24;
@@ -30,7 +30,7 @@ const BLOCK: usize = 24;
 struct Reader {
     fields: Vec<Field>,
     dictionaries: Dictionaries,
-    /// Every column by its name, none where it is no column.
+    /// Every column by its name; `None` if it is not read.
     columns: Vec<(String, Option<Gathered>)>,
 }
 
@@ -50,7 +50,7 @@ pub(crate) fn variables(
     Ok(reader.variables())
 }
 
-/// A file: its last part says what the columns are and where each message stands.
+/// A file: its footer says what the columns are and where each message is.
 fn file(bytes: &[u8], budget: &mut Budget, limits: &Limits) -> Result<Reader, Fault> {
     let cut = || Fault::damaged("its end is missing");
     let inner = bytes.strip_suffix(ARROW).ok_or_else(cut)?;
@@ -63,7 +63,7 @@ fn file(bytes: &[u8], budget: &mut Budget, limits: &Limits) -> Result<Reader, Fa
         let mut end = 0;
         for place in footer.vector(kind, BLOCK)?.firsts(BLOCK) {
             let place = usize::try_from(place?).unwrap_or(usize::MAX);
-            // In their order, so that none is read many times.
+            // Messages must be in order, so that none is read many times.
             let rest = inner.get(place..).filter(|_| place >= end);
             let mut from = Bytes::new(rest.ok_or_else(misplaced)?, false);
             let (message, body) = next(&mut from)?.ok_or_else(misplaced)?;
@@ -74,7 +74,7 @@ fn file(bytes: &[u8], budget: &mut Budget, limits: &Limits) -> Result<Reader, Fa
     Ok(reader)
 }
 
-/// A stream: one message behind the other, the first says what the columns are.
+/// A stream: one message after the other; the first says what the columns are.
 fn stream(bytes: &[u8], budget: &mut Budget, limits: &Limits) -> Result<Reader, Fault> {
     let mut from = Bytes::new(bytes, false);
     let first =
@@ -91,7 +91,7 @@ fn misplaced() -> Fault {
     Fault::damaged("a message is not where it belongs")
 }
 
-/// The next message with its body; none at the end.
+/// The next message with its body; `None` at the end.
 fn next<'a>(from: &mut Bytes<'a>) -> Result<Option<(Table<'a>, &'a [u8])>, Fault> {
     if from.is_empty() {
         return Ok(None);
@@ -138,7 +138,7 @@ impl Reader {
         Ok(())
     }
 
-    /// A table that columns are looked up in, or more of it.
+    /// The dictionary of a column, or more of it.
     fn dictionary(&mut self, header: Table, body: &[u8], budget: &mut Budget) -> Result<(), Fault> {
         let number = header.whole(0, 8, 0)?;
         let Some(field) = looked_up_in(&self.fields, number) else {
@@ -186,7 +186,7 @@ fn add(field: &Field, out: &mut Vec<(String, Option<Gathered>)>) {
     }
 }
 
-/// The field whose values stand in a table.
+/// The field whose values are in the dictionary of this id.
 fn looked_up_in(fields: &[Field], number: i64) -> Option<&Field> {
     fields.iter().find_map(|field| match field.dictionary {
         Some((own, _)) if own == number => Some(field),

@@ -1,4 +1,4 @@
-//! The columns that a schema announces. Source: Apache Arrow, format/Schema.fbs.
+//! The columns of a schema. Source: Apache Arrow, format/Schema.fbs.
 
 use super::flat::Table;
 use crate::bytes::Number;
@@ -6,14 +6,14 @@ use crate::fault::Fault;
 use crate::gathered::Meaning;
 use sidc_data::Limits;
 
-/// A column, or what holds several.
+/// A column, or a structure of several.
 #[derive(Debug)]
 pub(super) struct Field {
-    /// With those that it lies in, joined by `_`.
+    /// With the names of the structures around it, joined by `_`.
     pub name: String,
     pub layout: Layout,
     pub meaning: Meaning,
-    /// The number of the table that its values are looked up in, and what its places there are written as.
+    /// The id of its dictionary, and the type of its indices.
     pub dictionary: Option<(i64, Number)>,
     pub children: Vec<Field>,
 }
@@ -23,7 +23,7 @@ pub(super) struct Field {
 pub(super) enum Layout {
     Numbers(Number),
     Bits,
-    /// Offsets of so many bytes, and the text.
+    /// Offsets of this type, and the text.
     Text(Number),
     /// Lengths with the first bytes or the place of the text, and any number of buffers.
     Views,
@@ -31,7 +31,7 @@ pub(super) enum Layout {
     Structure,
     /// No value at all.
     Nothing,
-    /// No column: so many buffers, and further ones of views.
+    /// Not read: the buffers to skip, and whether those of views follow.
     Other {
         buffers: usize,
         views: bool,
@@ -90,7 +90,7 @@ fn read(
     for child in field.vector(5, 4)?.tables() {
         children.push(read(child?, Some(&name), depth + 1, count, limits)?);
     }
-    // A table of structures has columns of its own.
+    // A dictionary of structures is not read.
     if dictionary.is_some() && !children.is_empty() {
         layout = other(2);
         children.clear();
@@ -127,7 +127,7 @@ fn whole_number(kind: Table) -> Result<Number, Fault> {
     })
 }
 
-/// Seconds of a unit of times.
+/// A unit of time in seconds.
 fn unit(code: i64) -> f64 {
     match code {
         0 => 1.0,
@@ -178,12 +178,12 @@ fn kind(field: Table) -> Result<(Layout, Meaning), Fault> {
     })
 }
 
-/// The buffers of what is no column.
+/// The buffers of a column that is not read.
 fn no_column(tag: i64, field: Table) -> Result<Layout, Fault> {
     Ok(match tag {
         4 | 19 => other(3),
         7 | 11 | 12 | 15 | 17 | 21 => other(2),
-        // A union: which kind each value has, and where it stands.
+        // A union: which kind each value has, and where it is.
         14 => match field.needed(3)?.whole(0, 2, 0)? {
             0 => other(1),
             _ => other(2),

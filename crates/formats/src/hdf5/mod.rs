@@ -1,7 +1,7 @@
-//! MATLAB's `-v7.3` files and other HDF5, by the crate `hdf5-pure`.
+//! MATLAB's `-v7.3` files and other HDF5, read with the crate `hdf5-pure`.
 //!
-//! In: bytes. Out: named arrays of numbers; those of a group are named as the fields of a structure in an older file of MATLAB. Texts, cells,
-//! objects and complex numbers are no columns.
+//! In: bytes. Out: named arrays of numbers; those of a group are named like the fields of a structure in an older MATLAB file. Texts,
+//! cells, objects and complex numbers are not read.
 
 use hdf5_pure::{AttrValue, DType, Dataset, Error, File, Group};
 
@@ -10,7 +10,7 @@ use crate::fault::Fault;
 use crate::mat::{Found, named};
 use crate::variables::{Content, Variable};
 
-/// Deepest nesting of groups, and most members of all: a damaged group can hold itself.
+/// Deepest nesting of groups, and most members in total: a damaged group can contain itself.
 const MAX_DEPTH: usize = 16;
 const MAX_MEMBERS: usize = 100_000;
 
@@ -25,7 +25,7 @@ struct Walk<'a> {
 /// # Errors
 /// Damage; more memory than is left.
 pub(crate) fn variables(bytes: Vec<u8>, budget: &mut Budget) -> Result<Vec<Variable>, Fault> {
-    // The crate is young. None of 313,000 changed files made it panic; this is for what those did not try.
+    // The crate is young. None of 313,000 changed files made it panic; this catches what those did not try.
     let read = std::panic::AssertUnwindSafe(|| arrays(bytes, budget));
     let panicked = |_| Err(Fault::damaged("it is no whole HDF5 file"));
     std::panic::catch_unwind(read).unwrap_or_else(panicked)
@@ -34,7 +34,7 @@ pub(crate) fn variables(bytes: Vec<u8>, budget: &mut Budget) -> Result<Vec<Varia
 fn arrays(bytes: Vec<u8>, budget: &mut Budget) -> Result<Vec<Variable>, Fault> {
     let there = bytes.len() as u64;
     let file = File::from_bytes(bytes).map_err(damaged)?;
-    // The crate reads a file that was cut, as far as what it needs is there.
+    // The crate reads a truncated file if the part that it needs is there.
     if file.superblock().eof_address > there {
         return Err(Fault::damaged("its end is missing"));
     }
@@ -125,7 +125,7 @@ fn product(sides: &[u64]) -> u64 {
     sides.iter().fold(1, |all, side| all.saturating_mul(*side))
 }
 
-/// What an array of MATLAB is whose values are no numbers.
+/// What a MATLAB array holds, if not numbers.
 fn no_numbers(class: &AttrValue) -> Option<String> {
     let (AttrValue::AsciiString(class) | AttrValue::String(class)) = class else {
         return None;

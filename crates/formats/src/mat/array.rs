@@ -1,4 +1,4 @@
-//! An array of MATLAB: numbers, texts, or a structure of other arrays.
+//! A MATLAB array: numbers, texts, or a structure of other arrays.
 
 use super::element::{Element, MATRIX};
 use crate::budget::Budget;
@@ -16,14 +16,14 @@ pub(super) struct Array {
 #[derive(Debug)]
 pub(super) enum Value {
     Column(Content),
-    /// Those of a structure of one row.
+    /// The fields of a single structure.
     Fields(Vec<Array>),
 }
 
 /// Deepest nesting of structures and cells that is read.
 const MAX_DEPTH: usize = 16;
 
-/// What an array says of itself before its content.
+/// The header of an array.
 struct Head {
     class: u32,
     is_complex: bool,
@@ -47,7 +47,7 @@ impl Array {
         }
         let head = Head::read(&mut from)?;
         let Some(head) = head else {
-            // Objects begin with another piece.
+            // Objects have their name in the next element.
             let name = Element::read(&mut from)?.name();
             let value = other("an object of MATLAB; save its columns as arrays");
             return Ok(Array { name, value });
@@ -73,7 +73,7 @@ impl Array {
 }
 
 impl Head {
-    /// None for objects, which have no shape.
+    /// `None` for objects, which have no shape.
     fn read(from: &mut Bytes) -> Result<Option<Head>, Fault> {
         let flags = Element::read(from)?;
         let mut words = Bytes::new(flags.data, flags.big_endian);
@@ -89,7 +89,7 @@ impl Head {
         let mut shape = Vec::new();
         let mut count = 1u64;
         for side in sides.values()? {
-            // Saturates: what is negative has no values.
+            // The conversion saturates: a negative side has no values.
             let side = side as u64;
             count = count.saturating_mul(side);
             shape.push(side as usize);
@@ -121,7 +121,7 @@ fn numbers(mut from: Bytes, head: Head, budget: &mut Budget) -> Result<Value, Fa
     Ok(Value::Column(Content::Numbers { shape, values }))
 }
 
-/// A text for each row of a matrix of characters; one text is no column.
+/// A text for each row of a matrix of characters; a single text is not a column.
 fn texts(mut from: Bytes, head: &Head, budget: &mut Budget) -> Result<Value, Fault> {
     if head.count == 0 {
         return Ok(Value::Column(Content::Other("an empty text".into())));
@@ -136,7 +136,7 @@ fn texts(mut from: Bytes, head: &Head, budget: &mut Budget) -> Result<Value, Fau
         }
     };
     let characters = characters(&content)?;
-    // Column by column, as all arrays are.
+    // Characters are stored column by column, as in all arrays.
     let line = |row: usize| {
         let text: String = characters.iter().skip(row).step_by(rows).collect();
         text.trim_end().to_string()
@@ -169,7 +169,7 @@ fn characters(content: &Element) -> Result<Vec<char>, Fault> {
 /// A cell array of texts is a column of them.
 fn cells(mut from: Bytes, head: &Head, budget: &mut Budget, depth: usize) -> Result<Value, Fault> {
     let mut words = Words::default();
-    // Each cell takes a piece of the file, so that there are no more than it has bytes.
+    // Each cell takes bytes of the file, so that a wrong count ends with the file.
     for _ in 0..head.count {
         let cell = Element::read(&mut from)?;
         let Some(word) = one_text(cell, budget, depth)? else {
@@ -206,7 +206,7 @@ fn one_text(cell: Element, budget: &mut Budget, depth: usize) -> Result<Option<S
     Ok(Some(characters(&content)?.into_iter().collect()))
 }
 
-/// The fields of a structure of one row; of several, each field would be many arrays.
+/// The fields of a single structure; in an array of structures each field would be many arrays.
 fn fields(mut from: Bytes, head: &Head, budget: &mut Budget, depth: usize) -> Result<Value, Fault> {
     if head.count != 1 {
         let text = format!("{} structures", head.count);

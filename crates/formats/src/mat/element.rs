@@ -1,4 +1,4 @@
-//! A piece of a file: what it is, how long it is, its bytes.
+//! A data element of a file: its kind and its bytes.
 
 use crate::bytes::{Bytes, Number};
 use crate::fault::Fault;
@@ -16,14 +16,14 @@ pub(super) struct Element<'a> {
 }
 
 impl<'a> Element<'a> {
-    /// Reads a piece and the padding behind it.
+    /// Reads an element and the padding after it.
     ///
     /// # Errors
     /// It is longer than what is left.
     pub(super) fn read(from: &mut Bytes<'a>) -> Result<Element<'a>, Fault> {
         let first = from.u32()?;
         let big_endian = from.big_endian;
-        // Up to four bytes stand within the tag, whose first half is their number then.
+        // Up to four bytes are stored in the tag itself, whose upper half is then their number.
         let (kind, data) = match first >> 16 {
             0 => {
                 let length = from.u32()?;
@@ -49,7 +49,7 @@ impl<'a> Element<'a> {
     /// The kind of its numbers.
     ///
     /// # Errors
-    /// None that is known.
+    /// The kind is unknown.
     pub(super) fn number(&self) -> Result<Number, Fault> {
         Ok(match self.kind {
             1 => Number::Signed(1),

@@ -1,4 +1,4 @@
-//! Files of MATLAB: level 5, as `save` writes with `-v6` and `-v7` (its default), and Octave with the same options.
+//! MATLAB files: level 5, as `save` writes with `-v6` and `-v7` (its default), and Octave with the same options.
 //!
 //! In: bytes. Out: named arrays; the fields of a structure are arrays of their own. Source: MathWorks, "MAT-File Format", R2023b.
 
@@ -18,7 +18,7 @@ use element::Element;
 /// Text, version, order of bytes.
 const HEADER: u64 = 128;
 
-/// The variables of a file, in its order. A field `data.t` is called `t`, or `data_t` where two would be called alike.
+/// The variables of a file, in its order. A field `data.t` is called `t`, or `data_t` if two would have the same name.
 ///
 /// # Errors
 /// Damage; more memory than is left.
@@ -47,7 +47,7 @@ pub(crate) fn variables(bytes: &[u8], budget: &mut Budget) -> Result<Vec<Variabl
             content = Bytes::new(inner.data, big_endian);
         }
         let array = Array::read(content, budget, 0)?;
-        // Objects are kept in an array without a name, which nobody gave.
+        // The data of objects are stored in an array without a name.
         if !array.name.is_empty() {
             flatten(array, None, &mut found);
         }
@@ -82,7 +82,7 @@ fn flatten(array: Array, parent: Option<&str>, out: &mut Vec<Found>) {
     }
 }
 
-/// Arrays by their names, and after that of their structure where another is called alike.
+/// Arrays by their names, after that of their structure if another array has the same name.
 pub(crate) fn named(found: Vec<Found>) -> Vec<Variable> {
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
     for array in &found {

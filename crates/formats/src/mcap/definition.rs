@@ -1,4 +1,4 @@
-//! What the messages of ROS are made of: the text of their definitions, as `.msg` files have it.
+//! Definitions of ROS messages, as in `.msg` files.
 //!
 //! In: the text of a schema, which has the definitions of all its parts. Out: fields of numbers, texts and other definitions. Source: the
 //! MCAP registry, "ros1msg" and "ros2msg"; the ROS wiki, "msg"; the ROS 2 documentation, "Interfaces".
@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use crate::bytes::Number;
 
-/// Which ROS: its names of types, and whether numbers stand at even places.
+/// The version of ROS, which decides the names of types and whether numbers are aligned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Dialect {
     Ros1,
@@ -24,7 +24,7 @@ pub(super) enum Kind {
     Span,
     /// Another definition, by its place.
     Fields(usize),
-    /// A byte that says nothing: ROS 2 has no messages without one.
+    /// A byte without meaning: ROS 2 has no empty messages.
     Filler,
 }
 
@@ -33,7 +33,7 @@ pub(super) enum Length {
     One,
     /// An array.
     Fixed(usize),
-    /// A list, whose length stands before it.
+    /// A list, with its length before it.
     Any,
 }
 
@@ -44,11 +44,12 @@ pub(super) struct Field {
     pub length: Length,
 }
 
-/// Definitions that refer to each other by their places. Every field takes a byte at least, so that a message has no more than it has bytes.
+/// Definitions that refer to each other by their places. Every field takes at least one byte, so that a message has no more fields than
+/// bytes.
 #[derive(Debug)]
 pub(super) struct Definitions {
     pub dialect: Dialect,
-    /// Those of the message, by its place.
+    /// The place of the definition of the message.
     pub message: usize,
     pub all: Vec<Vec<Field>>,
 }
@@ -58,7 +59,7 @@ const MAX_DEPTH: usize = 16;
 
 struct Parser<'a> {
     dialect: Dialect,
-    /// Lines by the name of the definition.
+    /// The text of each definition, by name.
     texts: BTreeMap<String, &'a str>,
     /// Places by name.
     found: BTreeMap<String, usize>,
@@ -70,7 +71,7 @@ impl Definitions {
     /// Why the messages cannot be read.
     pub(super) fn read(dialect: Dialect, name: &str, text: &str) -> Result<Definitions, String> {
         let mut texts = BTreeMap::new();
-        // A line of equals signs, and then the name, stand before each definition but the first.
+        // Before each definition but the first there are a line of equals signs and its name.
         for (place, part) in split(text).into_iter().enumerate() {
             if place == 0 {
                 texts.insert(short(name), part);
@@ -153,7 +154,7 @@ impl Parser<'_> {
         Ok(place)
     }
 
-    /// None for a field that takes no bytes.
+    /// `None` for a field that takes no bytes.
     fn field(
         &mut self,
         kind: &str,
@@ -208,7 +209,7 @@ impl Parser<'_> {
     }
 }
 
-/// Types that are no definitions.
+/// Built-in types.
 fn simple(dialect: Dialect, kind: &str) -> Option<Kind> {
     let number = match kind {
         "bool" | "uint8" | "char" => Number::Unsigned(1),

@@ -1,4 +1,4 @@
-//! A message in JSON: every number and truth value in it, by its path.
+//! A message in JSON: every number and Boolean in it, by its path.
 
 use serde_json::Value;
 
@@ -6,17 +6,17 @@ use crate::budget::Budget;
 use crate::fault::Fault;
 use crate::topics::{LONGEST_LIST, Messages, Path};
 
-/// Memory of a value for each byte of its text, at most.
+/// Most memory of a parsed value for each byte of its text.
 const EXPANSION: u64 = 64;
 
 /// # Errors
-/// No JSON; more memory than is left.
+/// Invalid JSON; more memory than is left.
 pub(super) fn message(
     content: &[u8],
     messages: &mut Messages,
     budget: &mut Budget,
 ) -> Result<(), Fault> {
-    // Given back when the message is read.
+    // Taken from a copy of the budget, because it is free again when the message is read.
     let mut while_read = *budget;
     while_read.take(content.len() as u64, EXPANSION)?;
     let unreadable = |e| Fault::damaged(format!("a message is no JSON ({e})"));

@@ -1,8 +1,8 @@
-//! Logs of robots (MCAP, version 0): ROS 2 bags, and what Foxglove and others write.
+//! Robot logs (MCAP, version 0): ROS 2 bags, and what Foxglove and others write.
 //!
 //! In: bytes. Out: topics with the numbers of their messages, in seconds from the first message of the file. Messages are read in the
-//! encodings of ROS 1 (`ros1`), ROS 2 (`cdr`) and in JSON. Source: mcap.dev, "MCAP Format Specification". The index at the end of a file is
-//! passed over: a file that was cut off has none.
+//! encodings of ROS 1 (`ros1`), ROS 2 (`cdr`) and in JSON. The index at the end of a file is ignored, because a truncated file has none.
+//! Source: mcap.dev, "MCAP Format Specification".
 
 mod definition;
 mod json;
@@ -51,12 +51,12 @@ struct Reader {
     channels: BTreeMap<u16, Channel>,
     /// By topic: several channels may share one.
     topics: BTreeMap<String, Messages>,
-    /// Nanoseconds of the first message.
+    /// Time of the first message in nanoseconds.
     start: Option<u64>,
     left_out: BTreeSet<String>,
 }
 
-/// The topics of a log. One that was cut off is read as far as it goes.
+/// The topics of a log. A truncated log is read as far as it goes.
 ///
 /// # Errors
 /// Damage; more memory than is left.
@@ -81,7 +81,7 @@ pub(crate) fn topics(bytes: &[u8], budget: &mut Budget) -> Result<Logged, Fault>
     reader.logged(budget)
 }
 
-/// The next record: its kind and its content; none if it is cut off.
+/// The next record: its kind and its content; `None` if it is cut off.
 fn record<'a>(from: &mut Bytes<'a>) -> Option<(u8, &'a [u8])> {
     let [kind] = from.take(1).ok()? else {
         return None;
@@ -107,7 +107,7 @@ impl Reader {
         }
     }
 
-    /// The records that were packed together.
+    /// The records of a chunk.
     fn chunk(&mut self, content: &[u8], budget: &mut Budget) -> Result<(), Fault> {
         let mut from = Bytes::new(content, false);
         from.take(16)?;
@@ -151,7 +151,7 @@ impl Reader {
         let schema = from.u16()?;
         let topic = text(from)?;
         let encoding = text(from)?;
-        // Channels stand in every chunk that has messages of theirs.
+        // A channel is repeated in every chunk that has messages of it.
         if self.channels.get(&number).is_some_and(|c| c.topic == topic) {
             return Ok(());
         }
@@ -220,7 +220,7 @@ fn serialized(dialect: Dialect, schema: &Schema) -> Encoding {
     }
 }
 
-/// None where the bytes are as they stand.
+/// `None` if the bytes are not packed.
 fn packing(name: &str) -> Result<Option<Packing>, Fault> {
     match name {
         "" => Ok(None),

@@ -1,6 +1,7 @@
-//! A message of ROS, by the definitions of its fields.
+//! A ROS message, decoded by the definitions of its fields.
 //!
-//! ROS 1 writes one value behind the other; ROS 2 (CDR) behind four bytes that say how, each number at a multiple of its own size.
+//! ROS 1 writes one value after the other. ROS 2 (CDR) begins with four bytes that name the encoding, and puts each number at a multiple of
+//! its own size.
 
 use crate::budget::Budget;
 use crate::bytes::{Bytes, Number};
@@ -12,17 +13,17 @@ use super::definition::{Definitions, Dialect, Field, Kind, Length};
 
 struct Decoder<'a, 'm> {
     from: Bytes<'a>,
-    /// Bytes of the message behind its head.
+    /// Length of the message without its header, in bytes.
     length: usize,
-    /// Largest multiple at which numbers stand.
+    /// Largest alignment of a number, in bytes.
     alignment: usize,
-    /// Nanoseconds from which moments count.
+    /// The time that times are counted from, in nanoseconds.
     start: u64,
     defined: &'a Definitions,
     messages: &'m mut Messages,
     budget: &'m mut Budget,
     path: Path,
-    /// Lists that are too long are passed over.
+    /// True within a list that is too long, whose values are skipped.
     silent: bool,
 }
 
@@ -100,7 +101,7 @@ impl Decoder<'_, '_> {
         Ok(())
     }
 
-    /// Each takes a byte at least, so that a count that lies ends with the message.
+    /// Each item takes at least one byte, so that a wrong count ends with the message.
     fn items(&mut self, kind: Kind, count: usize) -> Result<(), Fault> {
         for place in 0..count {
             let back = self.path.enter_place(place);
@@ -153,7 +154,7 @@ impl Decoder<'_, '_> {
         Ok(number.read(bytes, self.from.big_endian))
     }
 
-    /// Passes over what lies before the next multiple of a size.
+    /// Skips padding before the next multiple of a size.
     fn align(&mut self, size: usize) {
         let size = size.min(self.alignment);
         let at = self.length - self.from.rest().len();

@@ -1,4 +1,4 @@
-//! Types of NumPy, and values of them as numbers or texts.
+//! NumPy types, and their values as numbers or texts.
 
 use super::literal::Literal;
 use crate::budget::Budget;
@@ -11,14 +11,14 @@ use sidc_data::Words;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Dtype {
     One(Scalar),
-    /// Structures of so many bytes.
+    /// Structures of `size` bytes.
     Fields {
         fields: Vec<Field>,
         size: usize,
     },
 }
 
-/// A field of a structure, so many bytes behind its beginning.
+/// A field of a structure, `offset` bytes after its beginning.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Field {
     pub name: String,
@@ -37,7 +37,7 @@ pub(super) struct Scalar {
 #[derive(Clone, Debug, PartialEq)]
 enum ScalarKind {
     Number(Number),
-    /// Times, or spans of time, in units of so many seconds.
+    /// Times, or spans of time, in units of `unit` seconds.
     Time {
         unit: f64,
         since_1970: bool,
@@ -46,7 +46,7 @@ enum ScalarKind {
     Text,
     /// Bytes, padded by zeros.
     ByteText,
-    /// What is no column, and what it is.
+    /// A type that is not read, and what it is.
     Other(&'static str),
 }
 
@@ -180,7 +180,7 @@ impl Scalar {
         })
     }
 
-    /// The values in these cells, of which each is [`Scalar::size`] bytes long.
+    /// The values in these cells of [`Scalar::size`] bytes each.
     ///
     /// # Errors
     /// Texts that take more memory than is left.
@@ -192,7 +192,7 @@ impl Scalar {
         budget: &mut Budget,
     ) -> Result<Content, Fault> {
         let numbers = |values: Vec<f64>| {
-            // Read as if the first index ran fastest: with the others turned round, it does.
+            // `Content` has the first index fastest. If the last one is, reversing the shape makes it the first.
             let mut shape = shape.to_vec();
             if !column_major {
                 shape.reverse();

@@ -11,7 +11,7 @@ const MAX_LENGTH: u64 = 1 << 16;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Header {
     pub dtype: Dtype,
-    /// The first index runs fastest.
+    /// True if the first index runs fastest.
     pub column_major: bool,
     pub shape: Vec<usize>,
     /// Bytes before the values.
@@ -20,7 +20,7 @@ pub(super) struct Header {
 
 impl Header {
     /// # Errors
-    /// No header of NumPy.
+    /// Not a NumPy header.
     pub(super) fn read(bytes: &[u8]) -> Result<Header, Fault> {
         let mut all = Bytes::new(bytes, false);
         let magic = all.take(8)?;
@@ -53,7 +53,7 @@ impl Header {
         })
     }
 
-    /// Values in all.
+    /// Number of values.
     ///
     /// # Errors
     /// More than can be counted.

@@ -1,4 +1,4 @@
-//! The few literals of Python that a header of NumPy holds.
+//! The few Python literals that NumPy headers contain.
 
 use crate::fault::Fault;
 
@@ -16,7 +16,7 @@ pub(super) enum Literal {
 const MAX_DEPTH: usize = 8;
 
 /// # Errors
-/// Anything else than one literal.
+/// Anything but one literal.
 pub(super) fn parse(text: &str) -> Result<Literal, Fault> {
     let mut parser = Parser { rest: text.trim() };
     let value = parser.value(0).ok_or_else(|| not_read(text))?;
@@ -64,7 +64,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// A text without escapes, which names of NumPy's types do not need.
+    /// A text without escapes, which the names of NumPy types do not need.
     fn text(&mut self, quote: char) -> Option<String> {
         self.cut(1)?;
         let end = self.rest.find(quote)?;

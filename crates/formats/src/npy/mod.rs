@@ -1,4 +1,4 @@
-//! Files of NumPy: one array (`.npy`), or several in a ZIP archive (`.npz`).
+//! NumPy files: one array (`.npy`), or several in a ZIP archive (`.npz`).
 //!
 //! In: bytes. Out: named arrays. Source: numpy.lib.format, versions 1 to 3.
 
@@ -15,7 +15,7 @@ use header::Header;
 /// The arrays of an `.npz` file, in its order.
 ///
 /// # Errors
-/// No archive of arrays; damage; more memory than is left.
+/// Not an archive of arrays; damage; more memory than is left.
 pub(crate) fn archive(bytes: &[u8], budget: &mut Budget) -> Result<Vec<Variable>, Fault> {
     let archive = rawzip::ZipArchive::from_slice(bytes).map_err(|e| damaged(&e))?;
     let mut entries = archive.entries();
@@ -69,7 +69,7 @@ fn array(name: &str, bytes: &[u8], budget: &mut Budget) -> Result<Vec<Variable>,
     let content = bytes.get(header.length..).unwrap_or_default();
     let count = header.count()?;
     let size = header.dtype.size();
-    // The size of one element is bounded by its header, the file by its length: what is announced is there before it is read.
+    // The announced values have to be in the file before memory is taken for them.
     let needed = count
         .checked_mul(size as u64)
         .filter(|all| *all <= content.len() as u64);

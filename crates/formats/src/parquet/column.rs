@@ -1,4 +1,4 @@
-//! The values of one column, from the groups of rows.
+//! The values of one column, from its row groups.
 
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{AsBytes, DataType};
@@ -11,7 +11,7 @@ use crate::gathered::{Gathered, Meaning};
 /// Rows that are decoded at once.
 const BATCH: usize = 1 << 16;
 
-/// Adds one group of rows, up to `rows` in all; a value is missing where its level is below `present`.
+/// Adds one row group, up to `rows` values in all; a value is missing if its definition level is below `present`.
 ///
 /// # Errors
 /// Damage; texts that take more memory than is left.
@@ -69,7 +69,7 @@ pub(super) fn read(
     }
 }
 
-/// Hands on every value of a group of rows, none for one that is missing.
+/// Hands on every value of a row group, `None` for a missing one.
 fn each<T: DataType>(
     mut reader: ColumnReaderImpl<T>,
     (present, most): (i16, usize),

@@ -1,6 +1,6 @@
-//! Parquet files, by the crate `parquet`.
+//! Parquet files, read with the crate `parquet`.
 //!
-//! In: bytes. Out: named columns; the fields of a structure are joined by `_`, lists are no columns.
+//! In: bytes. Out: named columns; the fields of a structure are joined by `_`, lists are not read.
 
 mod column;
 
@@ -25,7 +25,7 @@ pub(crate) fn variables(
     budget: &mut Budget,
     limits: &Limits,
 ) -> Result<Vec<Variable>, Fault> {
-    // The crate asserts what a damaged file does not hold to. What is seen before it asserts is refused below; this is for the rest.
+    // The crate panics on some damaged files. Those that can be recognised beforehand are refused below; this catches the rest.
     let read = std::panic::AssertUnwindSafe(|| columns(bytes, budget, limits));
     let panicked = |_| Err(Fault::damaged("it is no whole Parquet file"));
     std::panic::catch_unwind(read).unwrap_or_else(panicked)
@@ -60,7 +60,7 @@ fn columns(bytes: Vec<u8>, budget: &mut Budget, limits: &Limits) -> Result<Vec<V
         let content = match meaning(&described) {
             None => Content::Other("no numbers and no text".into()),
             Some(meaning) => {
-                // Groups of rows are read only as far as the file says that they go.
+                // Row groups are read only up to the number of rows that the file states.
                 budget.take(rows, 16)?;
                 let mut gathered = Gathered::new(meaning);
                 for group in 0..metadata.num_row_groups() {
@@ -78,7 +78,7 @@ fn columns(bytes: Vec<u8>, budget: &mut Budget, limits: &Limits) -> Result<Vec<V
     Ok(variables)
 }
 
-/// The compression of values that is not built in.
+/// The compression of a column, if it is not built in.
 fn unread_compression(chunk: &ColumnChunkMetaData) -> Option<&'static str> {
     match chunk.compression() {
         Compression::BROTLI(_) => Some("Brotli"),
@@ -87,7 +87,7 @@ fn unread_compression(chunk: &ColumnChunkMetaData) -> Option<&'static str> {
     }
 }
 
-/// What the values of a column mean; none for lists, raw bytes and what else is no column.
+/// What the values of a column mean; `None` for lists, raw bytes and other columns that are not read.
 fn meaning(column: &ColumnDescriptor) -> Option<Meaning> {
     if column.max_rep_level() > 0 {
         return None;

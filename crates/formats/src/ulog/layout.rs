@@ -1,4 +1,4 @@
-//! What the bytes of a message are: the formats that a log announces, and those within them laid out in a row.
+//! The layout of a message: the formats that a log declares, with nested formats expanded.
 
 use std::collections::BTreeMap;
 
@@ -12,15 +12,15 @@ pub(super) struct Formats {
     by_name: BTreeMap<String, Vec<Part>>,
 }
 
-/// A field as it is announced: `float[4] q`.
+/// A field as it is declared: `float[4] q`.
 struct Part {
     kind: String,
-    /// None for a field that is no array.
+    /// `None` for a field that is no array.
     count: Option<usize>,
     name: String,
 }
 
-/// Where the numbers of a message stand.
+/// Where the numbers of a message are.
 #[derive(Default)]
 pub(super) struct Layout {
     pub fields: Vec<Field>,
@@ -38,7 +38,7 @@ pub(super) struct Field {
     pub number: Number,
 }
 
-/// Most bytes of a message, whose length stands in two bytes.
+/// Most bytes of a message, whose length is stored in two bytes.
 const MOST_BYTES: usize = 1 << 16;
 
 /// Deepest nesting of formats.
@@ -46,12 +46,12 @@ const MAX_DEPTH: usize = 16;
 
 const TIME: &str = "timestamp";
 
-/// How far a layout has come.
+/// The state of a layout in the making.
 struct Cursor {
     layout: Layout,
     offset: usize,
     time: Option<usize>,
-    /// Fields and formats that may still be laid out: those without a byte must end too.
+    /// Fields and formats that may still be laid out; without this limit, those of no bytes could go on for ever.
     left: usize,
 }
 
@@ -59,7 +59,7 @@ impl Formats {
     /// Adds a format: `name:type field;type[n] field;…`.
     ///
     /// # Errors
-    /// It is written in another way; more memory than is left.
+    /// Another syntax; more memory than is left.
     pub(super) fn add(&mut self, content: &[u8], budget: &mut Budget) -> Result<(), Fault> {
         budget.take(content.len() as u64, 32)?;
         let text = String::from_utf8_lossy(content);
@@ -116,7 +116,7 @@ impl Formats {
             }
             if part.name.starts_with("_padding") {
                 let size = number(&part.kind).map_or(1, Number::size);
-                // What pads the end of a message is not logged.
+                // Padding at the end of a message is not logged.
                 let logged = cursor.layout.length;
                 cursor.pass(part.count.unwrap_or(1).saturating_mul(size))?;
                 cursor.layout.length = logged;
@@ -141,7 +141,7 @@ impl Formats {
 }
 
 impl Cursor {
-    /// Passes over so many bytes.
+    /// Advances by `size` bytes.
     fn pass(&mut self, size: usize) -> Result<(), Fault> {
         let end = self.offset.saturating_add(size);
         let left = self.left.checked_sub(1).filter(|_| end <= MOST_BYTES);
@@ -186,7 +186,7 @@ impl Part {
     }
 }
 
-/// The number that a type of the language is; none for the name of a format.
+/// The number type of this name; `None` for the name of a format.
 fn number(kind: &str) -> Option<Number> {
     Some(match kind {
         "int8_t" => Number::Signed(1),

@@ -1,7 +1,7 @@
-//! Logs of PX4 (ULog, version 1).
+//! PX4 logs (ULog, version 1).
 //!
-//! In: bytes. Out: topics with the numbers of their messages, in seconds from the start of the log. Source: the PX4 guide, "ULog File
-//! Format". Settings, texts and printed messages are no signals and are passed over.
+//! In: bytes. Out: topics with the numbers of their messages, in seconds from the start of the log. Settings, texts and printed messages
+//! are not signals and are skipped. Source: the PX4 guide, "ULog File Format".
 
 mod layout;
 
@@ -19,33 +19,33 @@ use layout::{Formats, Layout};
 /// First bytes and version.
 const START: u64 = 8;
 
-/// A topic as it is logged: its name, which of several sensors, and its messages.
+/// A topic as it is logged: its name, which of several sensors it is, and its messages.
 struct Subscription {
     topic: String,
     instance: u8,
-    /// None until the first message.
+    /// `None` until the first message.
     messages: Option<Messages>,
 }
 
 struct Messages {
     layout: Layout,
     times: Vec<f64>,
-    /// As many as the layout has fields.
+    /// One for each field of the layout.
     columns: Vec<Vec<f64>>,
 }
 
 #[derive(Default)]
 struct Reader {
-    /// Microseconds.
+    /// Start of the log in microseconds.
     start: u64,
     formats: Formats,
-    /// By the number that messages carry, and those whose number another one took.
+    /// Topics by the number that messages carry; `ended` are those whose number another topic took over.
     subscriptions: BTreeMap<u16, Subscription>,
     ended: Vec<Subscription>,
     left_out: Vec<String>,
 }
 
-/// The topics of a log. One that was cut off is read as far as it goes.
+/// The topics of a log. A truncated log is read as far as it goes.
 ///
 /// # Errors
 /// Damage; more memory than is left; a version that is not known.
@@ -98,7 +98,7 @@ fn ends(messages: &[u8]) -> Result<Vec<usize>, Fault> {
     Ok(ends)
 }
 
-/// The next message: its kind and its content; none if it is cut off.
+/// The next message: its kind and its content; `None` if it is cut off.
 fn message<'a>(from: &mut Bytes<'a>) -> Option<(u8, &'a [u8])> {
     let length = from.u16().ok()?;
     let [kind] = from.take(1).ok()? else {
@@ -164,7 +164,7 @@ impl Reader {
             .map_err(within)
     }
 
-    /// Every topic with its columns named; the number of a sensor stands in the name where there are several.
+    /// Every topic with its columns named; the name contains the number of the sensor if there are several.
     fn logged(self) -> Logged {
         let mut left_out = self.left_out;
         let all = self
@@ -217,7 +217,7 @@ impl Messages {
             content.get(offset..end).unwrap_or_default()
         };
         let time = crate::bytes::bits(bytes(layout.time, 8), false);
-        // Some topics were last told before the log began.
+        // A message may be older than the start of the log.
         let since = i128::from(time) - i128::from(start);
         self.times.push(scaled(since as f64, 1e-6));
         for (field, column) in layout.fields.iter().zip(&mut self.columns) {

@@ -59,7 +59,7 @@ fn a_log_of_px4() {
     assert_eq!(note(&found), left_out);
 }
 
-/// A log of one topic, whose formats and messages are these.
+/// A log of these messages.
 fn small(messages: &[(u8, &[u8])]) -> Vec<u8> {
     let mut out = b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0".to_vec();
     for (kind, content) in messages {
@@ -141,7 +141,7 @@ fn a_cut_log_is_shorter() {
     }
 }
 
-/// What was added after a crash begins behind a message that the crash cut off.
+/// What was added after a crash begins after a message that the crash cut off.
 #[test]
 fn what_was_appended_is_read() {
     let mut flags = [0u8; 40];
@@ -257,7 +257,7 @@ fn bags_that_lie_are_refused() {
         ["t", "a_x", "a_y_0", "b_x_y_0", "b_x_y_2"]
     );
     assert_eq!(logged(&found, "a_x"), [(0.0, 2.5)]);
-    // Every bit of a chunk counts.
+    // A single changed bit of a chunk is found.
     let mut content = bytes("none.mcap");
     let place = content.len() / 2;
     content[place] ^= 1;

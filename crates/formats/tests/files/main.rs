@@ -116,7 +116,7 @@ fn variables_of_matlab() {
 
     assert_eq!(found.notes[0].help, None);
 
-    // No column of times, and a number that is called as an interval.
+    // No column of times, and a number that is named like a sampling interval.
     let found = table("timeless.npz");
     assert_eq!(found.table.headers(), ["u", "y"]);
     let help = found.notes[0].help.as_deref().unwrap();
@@ -180,7 +180,7 @@ fn arrays_of_hdf5() {
     let found = table("plain.h5");
     assert_eq!(found.table.headers(), ["ok", "t", "x"]);
     assert_eq!(column(&found, "x"), squares(1.0));
-    // Ten numbers, in a chunk that is longer than all tables may be.
+    // Ten numbers, in a chunk that is larger than all tables may be.
     let text = reading("tight.h5", &bytes("tight.h5"), &LIMITS).unwrap_err();
     assert!(text.starts_with("[table-too-large]"), "{text}");
     // A file may end in bytes that nothing needs.
@@ -232,7 +232,7 @@ fn columns_of_arrow() {
     assert_eq!(cells(&found, "kind"), RUNS);
 }
 
-/// Cut anywhere, a file is refused; a stream is shorter where it is cut between two messages.
+/// A file is refused wherever it is cut; a stream is shorter if it is cut between two messages.
 #[test]
 fn cut_files_of_arrow_are_refused() {
     let whole = bytes("lz4.feather");
@@ -346,7 +346,7 @@ fn memory_is_asked_for_before_it_is_taken() {
     assert!(text.starts_with("[too-many-columns]"), "{text}");
 }
 
-/// Bytes that are changed or cut off are a table or a fault: no panic, no endless loop, no more memory than allowed.
+/// A file with changed or missing bytes is a table or a fault: no panic, no endless loop, no more memory than allowed.
 #[test]
 fn damaged_files_are_refused_or_read() {
     let mut random = 88_172_645_463_325_252u64;

@@ -1,27 +1,26 @@
-//! Attacks on the verdict: random systems with data from which a wrong law may pass, or a right one be doubted.
+//! Attacks on the verdict: random systems with data for which a wrong law may pass, or a right one may be doubted.
 //!
-//! In: a kind of attack, a seed, a level of noise. Out: a model, a table, and the terms of the law where the library holds it. Every
-//! number of a case follows from its seed.
+//! In: a kind of attack, a seed, a level of noise. Out: a model, tables, and the true laws. Every number of a case follows from its seed.
 
 mod pendulum;
 mod random_system;
 
 use crate::table::Table;
 
-/// What a case does to the verdict.
+/// How a case tries to mislead the verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Attack {
     /// Nothing: the law is in the library.
     Honest,
     /// The sine of the law is not in the library.
     MissingTerm,
-    /// The library holds the target in other words.
+    /// The library contains expressions that equal the target.
     Copy,
     /// A second sensor measures the rate.
     SecondSensor,
     /// The input is one sine, and only the steady motion is recorded.
     SteadySine,
-    /// A small swing without noise, and powers in place of the sine.
+    /// A small free swing, and powers in place of the sine.
     Series,
     /// The solver that made the data took few steps.
     CoarseSolver,
@@ -44,7 +43,7 @@ impl Attack {
         Attack::OmittedTerm,
     ];
 
-    /// Whether the library of the pendulum holds the law. A steady motion need not tell it.
+    /// Whether the library of the pendulum contains the law, even if the data of a steady motion do not determine it.
     fn has_law(self) -> bool {
         let without = [Attack::MissingTerm, Attack::SecondSensor, Attack::Series];
         !without.contains(&self)
@@ -56,7 +55,7 @@ pub struct Case {
     pub model: String,
     /// Written with all digits, so that exact data stay exact.
     pub runs: Vec<Table>,
-    /// Of every equation that is judged.
+    /// One for each equation that is judged.
     pub laws: Vec<Law>,
 }
 
@@ -65,7 +64,7 @@ pub struct Law {
     pub target: &'static str,
     /// In the order in which the program prints them.
     pub terms: Vec<String>,
-    /// Whether its library holds all of them.
+    /// Whether its library contains all of them.
     pub offered: bool,
 }
 
@@ -90,7 +89,7 @@ impl Case {
     }
 }
 
-/// One step of the classical Runge-Kutta method: quick, and with an error.
+/// One step of the classical Runge-Kutta method: fast, with a visible error.
 fn runge_kutta_step(
     rate: &impl Fn(f64, &[f64; 2]) -> [f64; 2],
     t: f64,

@@ -1,6 +1,6 @@
-//! Attacks with random systems of two states: laws of two to four terms, out of monomials to degree 3, sines and cosines.
+//! Attacks with random systems of two states: laws of two to four terms, from monomials up to degree 3, sines and cosines.
 //!
-//! In: a seed, a level of noise, whether a term is left out of its library. Out: a case of two runs, in which both states move, stay
+//! In: a seed, a level of noise, whether a term is left out of its library. Out: a case of two runs, in which both states move and stay
 //! bounded, and every term matters.
 
 use super::{Case, Law, runge_kutta_step};
@@ -11,9 +11,9 @@ use crate::table::Table;
 const RUNS: usize = 2;
 const ROWS: usize = 201;
 const STEP: f64 = 0.02;
-/// Steps of a trial between two rows.
+/// Integration steps between two rows when a draw is tried.
 const SUBSTEPS: usize = 4;
-/// States beyond it have run away.
+/// Largest state of a run that counts as bounded.
 const BOUND: f64 = 8.0;
 /// Least spread of a state.
 const MOVES: f64 = 0.3;

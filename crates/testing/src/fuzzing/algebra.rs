@@ -1,7 +1,7 @@
-//! Libraries kept as products against the same sets written out term by term.
+//! Libraries kept as products, compared with the same sets written out term by term.
 //!
-//! Promises: the same terms, each once; the same numbers of them; what is a candidate is found by look-up at its slot, and what is not
-//! is not found; what the language refuses is refused, and nothing else.
+//! Promises: the same terms, each once, and the same numbers of them; look-up finds every candidate at its slot, and nothing else; the
+//! program refuses what the language does not allow, and nothing else.
 
 use std::collections::BTreeSet;
 
@@ -15,7 +15,7 @@ use sidc_lang::render;
 use sidc_lang::source::Sources;
 use sidc_lang::term::{Parity, Signal, Term, VarId};
 
-/// Refusals that the naive side does not foresee: terms that are tied to the target, and sets in too many parts.
+/// Refusals that the naive side does not foresee: terms that an identity ties to the target, and sets of too many parts.
 const OTHER: [&str; 2] = ["target-by-identity", "library-too-large"];
 
 pub fn algebra(data: &[u8]) {
@@ -87,7 +87,7 @@ fn is_same(
     }
 }
 
-/// What physics says beforehand, judged term by term.
+/// Symmetry and limit of degree, judged term by term.
 struct Rule {
     flipped: Option<VarId>,
     degree: Option<u8>,

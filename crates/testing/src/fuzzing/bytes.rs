@@ -1,6 +1,6 @@
-//! Choices and numbers out of arbitrary bytes; where there are none left, zeros.
+//! Choices and numbers from arbitrary bytes; zeros if none are left.
 //!
-//! A byte a choice, so that a changed byte changes one thing.
+//! Each choice takes one byte, so that a changed byte changes one thing.
 
 /// Numbers at which arithmetic goes wrong, and some at which it does not.
 const NUMBERS: [f64; 32] = [
@@ -60,7 +60,7 @@ impl<'a> Bytes<'a> {
         usize::from(self.byte()) % n
     }
 
-    /// One of `from`, ends included.
+    /// A number from `from` to `to`, both included.
     pub fn within(&mut self, from: usize, to: usize) -> usize {
         from + self.below(to - from + 1)
     }
@@ -69,7 +69,7 @@ impl<'a> Bytes<'a> {
         all[self.below(all.len())]
     }
 
-    /// True for one byte in `n`; false where there are none left.
+    /// True for one byte in `n`; false if none are left.
     pub fn rarely(&mut self, n: usize) -> bool {
         self.below(n) == n - 1
     }
@@ -88,7 +88,7 @@ impl<'a> Bytes<'a> {
         }
     }
 
-    /// A number that no product of a few takes out of range.
+    /// A number of ordinary size, so that products of a few stay in range.
     pub fn tame(&mut self) -> f64 {
         (f64::from(self.byte()) - 128.0) / 16.0 + f64::from(self.byte()) / 4096.0
     }

@@ -1,26 +1,26 @@
-//! Time linear in the length, asserted so that a busy machine does not matter, and only where it is asked for: by the fuzzer.
+//! Checks that time is linear in the length of an input, in a way that a busy machine does not disturb. Only the fuzzer asks for it.
 //!
-//! What counts is the processor's time of this thread where the system tells it, and the bound is in units of what a known text
-//! takes on the same machine in the same build.
+//! What counts is the processor time of this thread, if the system tells it. The bound is a multiple of the time that a known text takes on
+//! the same machine in the same build.
 
 use std::fs;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
-/// How many times the known text's time a byte may take.
+/// A byte may take this many times as long as a byte of the known text.
 const SLACK: u32 = 60;
-/// What any input may take.
+/// Time that any input may take.
 const FLOOR: Duration = Duration::from_millis(150);
 
-/// Whether times are judged. Tests leave it off: no test of a busy machine may fail by a time.
+/// Whether times are judged. Tests leave it off: none may fail because the machine is busy.
 pub static JUDGED: AtomicBool = AtomicBool::new(false);
 
-/// What a byte of a known text takes.
+/// Time for a byte of a known text.
 #[derive(Clone, Copy, Debug)]
 pub struct Pace(Duration);
 
 impl Pace {
-    /// Of work on so many bytes: the least of five times.
+    /// Measures work on this many bytes: the least of five times.
     pub fn of(bytes: usize, mut work: impl FnMut()) -> Pace {
         if !JUDGED.load(Relaxed) {
             return Pace(Duration::ZERO);
@@ -33,7 +33,7 @@ impl Pace {
         Pace(least / bytes as u32)
     }
 
-    /// Does the work, on so many bytes, and complains if it takes longer than these may and `more` times the floor.
+    /// Does work on this many bytes. Panics if it takes longer than they may, plus `more` times the floor.
     pub fn keep(self, bytes: usize, more: u32, work: impl FnOnce()) {
         if !JUDGED.load(Relaxed) {
             return work();
@@ -58,7 +58,7 @@ fn time(work: impl FnOnce()) -> Duration {
     }
 }
 
-/// Time of this thread on a processor; `None` where the system does not tell.
+/// Processor time of this thread; `None` if the system does not tell it.
 fn on_processor() -> Option<Duration> {
     let text = fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     let nanoseconds = text.split(' ').next()?.parse().ok()?;

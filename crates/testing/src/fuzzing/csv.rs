@@ -1,7 +1,7 @@
 //! Files that nobody meant as a table: read, written again, bound to a model, differentiated.
 //!
-//! Promises: a table or reasons that can be shown; cells that are what their columns say; a table that is written and read again is the
-//! same; signals without what is not finite; time linear in the length.
+//! Promises: a table, or errors that can be shown; cells that agree with their columns; a table that is the same after it is written and
+//! read again; finite samples; time linear in the length.
 
 use std::sync::OnceLock;
 
@@ -21,7 +21,7 @@ const MODELS: [&str; 3] = [
     "state x\ninput u : linear\ndata { step 0.1 }\nnext x ~ <x, lag(u, 1)>\n",
 ];
 
-/// Rows of which derivatives are estimated: that takes longer than reading.
+/// Most rows from which derivatives are estimated, which takes longer than reading.
 const FEW: usize = 200;
 
 const LIMITS: Limits = Limits {
@@ -66,7 +66,7 @@ fn read(text: &[u8], sources: &mut Sources) -> Option<Table> {
     }
 }
 
-/// What is shown of a cell is what was read of it: a number, one with a decimal comma, or a date.
+/// The text of a cell agrees with what was read from it: a number, one with a decimal comma, or a date.
 fn cells_agree(table: &Table) {
     let mut sources = Sources::default();
     for (column, header) in table.headers().iter().enumerate() {
@@ -92,7 +92,7 @@ fn cells_agree(table: &Table) {
     }
 }
 
-/// The same table, as a program would write it.
+/// A table that a program writes and that is read again is the same.
 fn written_again(table: &Table) {
     let quoted = |h: &String| format!("\"{}\"", h.replace('"', "\"\""));
     let headers: Vec<String> = table.headers().iter().map(quoted).collect();
@@ -131,7 +131,7 @@ fn written_again(table: &Table) {
     }
 }
 
-/// Trajectories with rising times, and samples that are numbers.
+/// Binding gives trajectories with rising times, and finite samples.
 fn binds(table: &Table, which: usize, mut sources: Sources) {
     let program = &programs()[which];
     let (dataset, found) = data::bind(

@@ -1,6 +1,6 @@
 //! Φ as factors, Φ stored whole, and Φ evaluated number by number.
 //!
-//! Promises: the same columns, norms and correlations by all three ways; what is finite is not refused, what is refused is named with a
+//! Promises: the same columns, norms and correlations in all three ways; finite values are not refused, and a refusal names a term and a
 //! row at which it is not finite.
 
 use super::bytes::Bytes;
@@ -37,7 +37,7 @@ pub fn dictionary(data: &[u8]) {
     graded_agrees(&*factored, &library, &lambda);
     assert_eq!((factored.cols(), factored.rows()), (library.slots(), rows));
     agrees(&*factored, &columns, tame, &lambda);
-    // Where numbers underflow, the order of a product's factors matters: by other ways it is another.
+    // Where numbers underflow, the result depends on the order of a product's factors, which differs between the three ways.
     if !tame {
         return;
     }
@@ -62,12 +62,12 @@ pub fn dictionary(data: &[u8]) {
     }
 }
 
-/// Near by an error, or both too small for one.
+/// Equal up to `error`, or both too small to be compared.
 fn is_near(a: f64, b: f64, error: f64) -> bool {
     a == b || (a - b).abs() <= error.max(1e-300)
 }
 
-/// True if no product of a few values leaves the numbers.
+/// True if no product of a few values overflows or underflows.
 fn is_tame(samples: &Samples) -> bool {
     let mut all = samples.columns.iter().flat_map(|c| &c.values);
     all.all(|x| *x == 0.0 || (1e-25..1e25).contains(&x.abs()))
@@ -118,7 +118,7 @@ fn agrees(phi: &dyn Dictionary, columns: &[Vec<f64>], tame: bool, lambda: &[f64]
             "norm {j}: {:e} is not {norm:e}",
             phi.norm(j)
         );
-        // Of factors too small for all their digits more is lost than of their product.
+        // Subnormal factors have fewer digits than their product, so that less can be asked.
         let error = if tame { 1e-11 } else { 2.1 };
         if norm > 1e-290 {
             let own: f64 = column.iter().zip(lambda).map(|(x, l)| x / norm * l).sum();
@@ -137,7 +137,7 @@ fn agrees(phi: &dyn Dictionary, columns: &[Vec<f64>], tame: bool, lambda: &[f64]
     );
 }
 
-/// Correlations under grades are the plain ones over the grades, and none above a bound is left out.
+/// Correlations under grades are the plain ones divided by the grades, and none above a bound is left out.
 fn graded_agrees(phi: &dyn Dictionary, library: &Library, lambda: &[f64]) {
     let grades = grades(library, &|term| 1.5_f64.powf(term.degree().min(40.0)));
     let plain = phi.price(lambda, phi.cols(), 0.0);
@@ -168,7 +168,7 @@ fn at(samples: &Samples, s: Signal, row: usize) -> f64 {
     samples.column(s).map_or(f64::NAN, |c| c.values[row])
 }
 
-/// A refusal names a term and a row where it is no number, or where some of its factors together are none, in whatever order.
+/// A refusal names a term and a row at which the term, or a product of some of its factors, is not finite.
 fn is_not_finite(bad: &BadValue, samples: &Samples, weights: Option<&[f64]>) {
     assert!(bad.row < samples.len(), "{bad:?}");
     let value = |t: &Term| t.eval(&|s| at(samples, s, bad.row));

@@ -20,7 +20,7 @@ pub fn formats(data: &[u8]) {
     match sidc_formats::read("fuzz.bin", data, &LIMITS, &mut sources) {
         Ok(read) => {
             assert!(read.table.bytes() <= LIMITS.table_bytes);
-            // All columns of a log may be more than fits.
+            // All columns of a log together may exceed the limit.
             let Ok(table) = read.table.of_columns(&|_| true) else {
                 return;
             };

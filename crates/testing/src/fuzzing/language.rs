@@ -1,7 +1,7 @@
-//! Texts that nobody meant as a model: parsed, checked, shown and laid out.
+//! Texts that nobody meant as a model: parsed, checked, shown and formatted.
 //!
-//! Promises: an answer, never a panic; messages if and only if there is something to say; a layout that changes white space alone and
-//! that laid out again is itself; time linear in the length.
+//! Promises: never a panic; errors if and only if there is no model; formatting that changes only white space, and nothing when repeated;
+//! time linear in the length.
 
 use std::sync::OnceLock;
 
@@ -13,13 +13,13 @@ use sidc_lang::{parse, render};
 
 const KNOWN: &str = "sidc 1\nsystem s\nstate x, y : order 2, noise 0.1\ninput u : hold\nparam m\nlet g = 9.8\nlet trig = <1, sin x, cos x>\ndata {\n  t = \"T\" * 1e-3\n  x = unwrap(\"A\", 2*pi)\n}\nddx ~ known(-g/m * sin x) + poly(x, dx, u; 1..2) * trig - <x>\nddy = u^2 - y/m\nconstrain 0 < coef(ddx, u) < 2*coef(ddx, dx) + 1\n";
 
-/// Texts are repeated up to so many bytes to see how time grows.
+/// Texts are repeated up to this many bytes to see how time grows.
 const LONG: usize = 32 * 1024;
 
 pub fn language(data: &[u8]) {
     let text = String::from_utf8_lossy(data);
     pace().keep(text.len(), more(&text), || survives(&text));
-    // Growth costs a thousand short inputs: looked at now and then, the same inputs always.
+    // A test of growth costs as much as a thousand short inputs, so that only some inputs get it, and always the same.
     if !text.is_empty()
         && data
             .iter()
@@ -32,7 +32,7 @@ pub fn language(data: &[u8]) {
     }
 }
 
-/// What short names may stand for is bounded by a constant, not by the text's length: two million parts, ten thousand variables.
+/// What a short name can stand for is bounded by a constant, not by the length of the text: two million parts, ten thousand variables.
 fn more(text: &str) -> u32 {
     if text.contains("let") || text.contains("..") {
         60
@@ -69,13 +69,13 @@ fn survives(text: &str) {
     }
 }
 
-/// Everything but blanks, so that comments count too.
+/// All characters but white space, including those of comments.
 fn ink(text: &str) -> String {
     let blank = |c: &char| c.is_whitespace() || *c == '\u{feff}';
     text.chars().filter(|c| !blank(c)).collect()
 }
 
-/// The syntax tree without its places.
+/// The syntax tree without positions in the source.
 fn shape(text: &str) -> String {
     let shown = format!("{:?}", parse(FileId(0), text).0.statements);
     let mut out = String::new();

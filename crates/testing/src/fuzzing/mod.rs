@@ -1,7 +1,7 @@
-//! What is attacked: one function a target, from arbitrary bytes to nothing, which panics where a promise is broken.
+//! Fuzz targets: functions of arbitrary bytes that panic if a promise is broken.
 //!
-//! Used by the fuzzer (`fuzz_targets/`) and by the tests (`tests/it/attack.rs`), so a stable toolchain runs the same code. The
-//! public interfaces of the crates are all that is called.
+//! Used by the fuzzer (`fuzz_targets/`) and by the tests (`tests/it/attack.rs`), so that a stable toolchain runs the same code. Only public
+//! interfaces of the crates are called.
 
 mod algebra;
 mod bytes;
@@ -14,7 +14,7 @@ mod result;
 mod set;
 mod simulate;
 
-/// A target by its name, which is that of its corpus too.
+/// A target and its name, which is also the name of its corpus.
 pub type Target = (&'static str, fn(&[u8]));
 
 /// Every target.
@@ -28,7 +28,7 @@ pub const TARGETS: [Target; 7] = [
     ("dictionary", dictionary::dictionary),
 ];
 
-/// As [`attack`], and judges the time that it takes: for the fuzzer, which has a machine to itself.
+/// As [`attack`], and judges the time that it takes: for the fuzzer, which has the machine to itself.
 pub fn attack_in_time(name: &str, data: &[u8]) {
     clock::JUDGED.store(true, std::sync::atomic::Ordering::Relaxed);
     attack(name, data);

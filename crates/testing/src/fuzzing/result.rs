@@ -1,7 +1,7 @@
 //! Documents that no `identify` wrote: opened, written, opened again, and turned into every language.
 //!
-//! Promises: a discovery or one refusal; what was opened and written reads back as the same document, word for word; no target panics,
-//! and none has a line that a name smuggled in.
+//! Promises: a discovery or one refusal; what was opened and written reads back as the same document, word for word; no target panics or
+//! writes control characters.
 
 use sidc_emit::{TARGETS, Written};
 use sidc_system::discovery::Discovery;

@@ -1,6 +1,6 @@
-//! Set expressions out of bytes, as the language writes them, and the same sets written out term by term.
+//! Set expressions from bytes, as the language writes them, and the same sets written out term by term.
 //!
-//! The naive side knows the algebra of terms and nothing of lists, products or blocks. It gives up beyond a size.
+//! The naive side knows the algebra of terms and nothing of lists, products or blocks. It gives up on large sets.
 
 use std::collections::BTreeSet;
 
@@ -12,9 +12,9 @@ const MOST: usize = 2_500;
 /// How deep expressions go.
 const DEEP: usize = 4;
 
-/// Variables in order of declaration; x is the one whose rate is asked for.
+/// Variables in order of declaration; the target is the rate of x.
 pub const NAMES: [&str; 7] = ["x", "y", "z", "u", "v", "p", "q"];
-/// What declares them.
+/// Their declarations.
 pub const DECLARED: &str = "state x, y, z\ninput u, v, p, q\n";
 
 /// dx
@@ -120,7 +120,7 @@ impl Set {
         }
     }
 
-    /// In a list or an argument, where a term needs no brackets and sums have none.
+    /// As an item of a list or an argument, where a term needs no brackets.
     fn item(&self) -> String {
         match self {
             Set::One(i) => atoms()[*i].0.to_string(),
@@ -129,7 +129,7 @@ impl Set {
         }
     }
 
-    /// What has an operator is listed by its parts, since no operator on sets stands in a list.
+    /// The operands of an operator, as items: a list cannot contain operators on sets.
     fn parts(&self) -> String {
         match self {
             Set::Union(a, b) | Set::Minus(a, b) | Set::Times(a, b) => {
@@ -141,7 +141,7 @@ impl Set {
         }
     }
 
-    /// The same set, written out; what is wrong with it, if something is.
+    /// The same set, written out, or why it is not.
     pub fn terms(&self) -> Result<BTreeSet<Term>, Wrong> {
         let made: BTreeSet<Term> = match self {
             Set::One(i) => [column(*i)].into(),
@@ -180,7 +180,7 @@ impl Set {
 /// Why a set is not written out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wrong {
-    /// Too many terms for this side.
+    /// Too many terms for the naive side.
     Large,
     /// The language refuses it.
     Refused,
@@ -196,7 +196,7 @@ fn args(bytes: &mut Bytes, deep: usize) -> Vec<Set> {
     (0..count).map(|_| arg(bytes)).collect()
 }
 
-/// A written term as a column: its number is dropped.
+/// A written term as a column: its numerical factor is dropped.
 fn column(i: usize) -> Term {
     atoms()[i].1.clone().into_term().1
 }
@@ -226,7 +226,7 @@ fn times(a: &BTreeSet<Term>, b: &BTreeSet<Term>) -> Result<BTreeSet<Term>, Wrong
     Ok(a.iter().flat_map(|a| b.iter().map(|b| a.mul(b))).collect())
 }
 
-/// Products of powers of the arguments' terms, one exponent at a time; neither the target nor 1 is an atom.
+/// Products of powers of the arguments' terms, made one atom at a time; neither the target nor 1 is an atom.
 fn monomials(args: &[Set], each: u32, total: (u32, u32)) -> Result<BTreeSet<Term>, Wrong> {
     let mut atoms = all(args, Set::item_terms)?;
     atoms.remove(&Term::signal(TARGET));

@@ -1,7 +1,7 @@
-//! Systems and records that nobody measured: a result document out of bytes, and a short run of it.
+//! Systems and records that nobody measured: a result document from bytes, and a short run of it.
 //!
-//! Promises: the document opens; a run or one refusal; it ends soon after it is told to; whatever is shown is a number, and where a run
-//! ends early it says why.
+//! Promises: the document is opened or refused; a run or one refusal; a run ends soon after it is told to; every value is finite, and a run
+//! that ends early says why.
 
 use std::ops::ControlFlow;
 
@@ -60,7 +60,7 @@ const DISCRETE: [&str; 12] = [
     "t",
 ];
 
-/// Questions after which a run is told to stop, and how many more it may ask: trials of the start, the run itself, and each leg.
+/// Activities after which a run is told to stop, and how many more it may report: trials of the start, the run itself, and each leg.
 const PATIENCE: (usize, usize) = (12, 200);
 
 pub fn simulate(data: &[u8]) {
@@ -122,7 +122,7 @@ fn is_sound(run: &Run, outputs: &[Signal], document: &str) {
         for (signal, values) in run.simulated.iter().chain(&run.inputs) {
             assert_eq!(values.len(), rows);
             let bad = values[leg.rows.clone()].iter().position(|x| !x.is_finite());
-            // The run does not depend on an output: it goes on, and says so.
+            // A run does not depend on its outputs: it goes on if one is undefined, and says so.
             let is_said = outputs.contains(signal) && said("output-undefined");
             assert!(
                 bad.is_none() || is_said,
@@ -149,7 +149,7 @@ fn is_sound(run: &Run, outputs: &[Signal], document: &str) {
     }
 }
 
-/// Which signals there are.
+/// The signals of a system.
 struct System {
     discrete: bool,
     /// Orders of x and, if there is one, y.

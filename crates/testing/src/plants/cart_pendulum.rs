@@ -70,8 +70,8 @@ impl Plant {
         [x[1], ddy, x[3], ddtheta]
     }
 
-    /// The force under which the cart accelerates by `ddy`: the rod's reaction is compensated, so that a controller
-    /// may think of the cart's acceleration as its input.
+    /// The force under which the cart accelerates by `ddy`: the rod's reaction is compensated, so that a controller can use the cart's
+    /// acceleration as its input.
     pub fn force_for(&self, x: &State, ddy: f64) -> f64 {
         let [_, dy, theta, dtheta] = *x;
         let (sin, cos) = theta.sin_cos();
@@ -82,7 +82,7 @@ impl Plant {
             - ml * dtheta * dtheta * sin
     }
 
-    /// The equations in the form they are to be found in; terms are spelled as sidc prints them.
+    /// The equations in the form in which they are to be found; terms are spelled as sidc prints them.
     pub fn laws(&self) -> [Law; 2] {
         let total = self.bob + self.cart;
         let ml = self.bob * self.rod;

@@ -5,7 +5,7 @@
 use super::cart_pendulum::{Plant, State};
 use std::f64::consts::{PI, TAU};
 
-/// Hardest acceleration asked for while swinging up, m/s².
+/// Largest acceleration asked for while swinging up, m/s².
 const SWING: f64 = 8.0;
 
 /// Angle from upright, in (−π, π].
@@ -42,11 +42,11 @@ pub fn swing_up(plant: &Plant, x: &State) -> f64 {
     let [y, dy, theta, dtheta] = *x;
     let w2 = plant.gravity / plant.rod;
     let angle = from_upright(theta);
-    // Caught where the unstable mode φ + φ̇/w is small: it alone decides whether the rod falls.
+    // The rod is caught where the unstable mode φ + φ̇/w is small: it alone decides whether the rod falls.
     if angle.abs() < 0.5 && (angle + dtheta / w2.sqrt()).abs() < 0.2 {
         return stabilise(plant, x);
     }
-    // Energy over m L², zero for a rod at rest upright; a little more is asked for, since the pivot takes some on the way.
+    // Energy over m L², zero for a rod at rest upright; a little more is asked for, since friction in the pivot takes some of it.
     let energy = 0.5 * dtheta * dtheta - w2 * (theta.cos() + 1.02);
     // d(energy)/dt = −a θ̇ cos θ / L. A weak spring and damper keep the cart on its track.
     let pump = (2.0 * energy * (dtheta * theta.cos()).signum()).clamp(-SWING, SWING);

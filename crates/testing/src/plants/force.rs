@@ -1,4 +1,4 @@
-//! What drives the cart: one force a sample, held until the next.
+//! What drives the cart: one force for each sample, held until the next.
 //!
 //! Open-loop forces are drawn before the run; the experiment's controllers look at the state.
 
@@ -28,11 +28,11 @@ pub enum Kind {
     Zero,
 }
 
-/// Shares of the experiment's record: balancing, square force, swing-up; the rest decays freely.
+/// Ends of the phases of the experiment, as shares of the record: balancing, square force, swing-up; the rest decays freely.
 const BALANCE: f64 = 0.15;
 const SQUARE: f64 = 0.55;
 const SWING_UP: f64 = 0.65;
-/// A level of the square force is reversed if it drives a cart that is about to be further out than this, m.
+/// A level of the square force is reversed if it pushes outward a cart that in 1 s would be further out than this, m.
 const TRACK: f64 = 0.6;
 
 /// Largest force of a sine, N.
@@ -40,7 +40,7 @@ const SINE: f64 = 4.0;
 /// Frequency at which a chirp begins, Hz.
 const FROM: f64 = 0.1;
 
-/// A sine of random phase that has gone through `turns` of the time.
+/// A sine of random phase; `turns` is the number of its periods up to a time.
 fn sine(rows: usize, rate: f64, random: &mut Random, turns: impl Fn(f64) -> f64) -> Vec<f64> {
     let phase = random.unit();
     let at = |k: usize| SINE * (TAU * (turns(k as f64 / rate) + phase)).sin();
@@ -52,7 +52,7 @@ pub struct Force {
     kind: Kind,
     /// Drawn forces; those of the experiment are the levels of its square phase, before any reversal.
     drawn: Vec<f64>,
-    /// Sign of the level in force; it may change only with the level.
+    /// Sign of the present level; it may change only with the level.
     sign: f64,
 }
 
@@ -117,7 +117,7 @@ impl Force {
         }
     }
 
-    /// The level of sample `k`, reversed if it was new and drove the cart off its track.
+    /// The level of sample `k`, reversed if it is new and would drive the cart off its track.
     fn on_track(&mut self, k: usize, drawn: f64, x: &State) -> f64 {
         if k == 0 || self.drawn.get(k - 1) != Some(&drawn) {
             let ahead = x[0] + x[1];

@@ -1,4 +1,4 @@
-//! Systems whose equations are known, and how to move them: what tests and studies take their records from.
+//! Systems whose equations are known, and what drives them: the source of records for tests and studies.
 //!
 //! In: parameters, starts, forces. Out: rows of exact signals. Uses nothing of the compiler: the data it is tested on must not come
 //! from its own code.

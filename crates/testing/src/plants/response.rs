@@ -1,4 +1,4 @@
-//! How a system answers: left alone, or driven by an input.
+//! The response of a system: free, or to an input.
 
 use crate::integrate::integrate;
 
@@ -17,7 +17,7 @@ pub fn free<const N: usize>(
     states
 }
 
-/// As [`free`], with an input of one value a sample that is held until the next.
+/// As [`free`], with an input that has one value for each sample and is held until the next.
 pub fn held<const N: usize>(
     f: &impl Fn(&[f64; N], f64) -> [f64; N],
     times: &[f64],

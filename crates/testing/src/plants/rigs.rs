@@ -1,7 +1,7 @@
-//! Rigs as they stand in laboratories: sampled inputs, sensors with noise or with steps, a state that nobody measures.
+//! Rigs as in laboratories: sampled inputs, sensors with noise or quantization, a state that is not measured.
 //!
-//! In: nothing; the numbers are fixed. Out: the text of a table. For tests of what measured records of such rigs ask for, where no
-//! licence allows a copy of one.
+//! In: nothing; the numbers are fixed. Out: the text of a table. These tables replace measured records of such rigs, whose licences allow
+//! no copy.
 
 use std::f64::consts::TAU;
 
@@ -40,14 +40,14 @@ pub fn cascaded_tanks() -> String {
 
 /// Samples per second of [`duffing_circuit`].
 const CIRCUIT_RATE: f64 = 610.0;
-/// What the converter of the circuit reads of nothing, V.
+/// What the converter of the circuit reads at zero, V.
 pub const CIRCUIT_OFFSET: f64 = 0.003;
-/// Steps of the converter in a volt.
+/// Steps of the converter per volt.
 const CIRCUIT_STEPS: f64 = 8192.0;
-/// Of ÿ, the coefficients of y, ẏ, y³ and u.
+/// The coefficients of y, ẏ, y³ and u in ÿ.
 pub const CIRCUIT: [f64; 4] = [-1.8e5, -40.0, -6e5, 1.9e5];
 
-/// A mass on a hardening spring as an electronic circuit, under sixty sines; its converter has steps and an offset. Columns t (s),
+/// A mass on a hardening spring as an electronic circuit, driven by sixty sines; its converter quantizes and has an offset. Columns t (s),
 /// u (V, linear between samples), y (V).
 pub fn duffing_circuit() -> String {
     let rows = 4000;

@@ -1,6 +1,7 @@
-//! What a caller of the emitted functions sees: their declarations, as comment or header file, and their names.
+//! The declarations of the emitted functions, as a comment or a header file.
 //!
-//! In: a program. Out: text in which every name begins with `sidc_` or `SIDC_`, and [`with_prefix`], which gives them that of the system.
+//! In: a program. Out: text in which every name begins with `sidc_` or `SIDC_`; [`with_prefix`] replaces that prefix by the name of the
+//! system.
 
 use crate::caveats::{caveats, delays, verdict_summary};
 use crate::code::identifiers::{ascii, plain, titled};
@@ -63,7 +64,7 @@ pub(super) fn head(d: &Discovery, program: &Program, what: &str) -> String {
     out
 }
 
-/// The verdict, and what is an initialiser of an array: delays, constants.
+/// Macros: the verdict, and initialisers of arrays for delays, constants and parameters.
 pub(super) fn macros(d: &Discovery, program: &Program, single: bool) -> String {
     let suffix = if single { "f" } else { "" };
     let verdict = verdict_summary(d);
@@ -92,7 +93,7 @@ pub(super) fn macros(d: &Discovery, program: &Program, single: bool) -> String {
     out
 }
 
-/// The numbers that were found, as initialisers of arrays.
+/// The estimated parameters as initialisers of arrays.
 fn parameters(d: &Discovery) -> String {
     let parameters = Parameters::new(d);
     if parameters.is_empty() {
@@ -159,7 +160,7 @@ pub(super) fn result(kind: Kind) -> &'static str {
     }
 }
 
-/// The declarations of what goes a step, and what they do.
+/// The declarations of the functions that advance the state by a step, each with a description.
 pub(super) fn steps(program: &Program, real: &str) -> Vec<(String, &'static str)> {
     let other = program.arguments.iter().skip(1);
     let other: String = other
@@ -187,7 +188,7 @@ pub(super) fn steps(program: &Program, real: &str) -> Vec<(String, &'static str)
     ]
 }
 
-/// Names begin with that of the system, so that programs of several systems link.
+/// Makes names begin with that of the system, so that the code of several systems can be linked together.
 pub(crate) fn with_prefix(program: &Program, text: String) -> String {
     let Some(system) = &program.system else {
         return text;

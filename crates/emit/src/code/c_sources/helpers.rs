@@ -1,4 +1,4 @@
-//! What emitted functions call: solvers, Newton's method, steps. In double precision; [`in_single`] makes it single.
+//! C helpers of the emitted functions: solvers, Newton's method, steps. Written in double precision; [`in_single`] converts them.
 
 /// Steps from event to event.
 pub(super) const STEPS: &str = include_str!("../../targets/event_steps/steps.c");
@@ -116,7 +116,7 @@ static inline double sidc_sign(double x)
 }
 ";
 
-/// A step of the equations: N states, other arguments.
+/// One Runge–Kutta step; `sized` fills in the number of states and the arguments.
 pub(super) const STEP: &str = "
 /* One step of length h by the classical method of Runge and Kutta; what is not the state is held during it. */
 void sidc_step(double t, double h, double *state@ARGS@)
@@ -138,7 +138,7 @@ void sidc_step(double t, double h, double *state@ARGS@)
 }
 ";
 
-/// A text of this file in single precision.
+/// Converts a helper to single precision.
 pub(super) fn in_single(text: &str) -> String {
     const PAIRS: [(&str, &str); 10] = [
         ("double", "float"),
@@ -150,7 +150,7 @@ pub(super) fn in_single(text: &str) -> String {
         ("0.5", "0.5f"),
         ("2.0", "2.0f"),
         ("6.0", "6.0f"),
-        // A Newton step of double precision settles twelve digits.
+        // Twelve digits are more than single precision has.
         ("1e-12", "1e-6f"),
     ];
     let all = PAIRS.iter();

@@ -237,7 +237,7 @@ fn system<const SINGLE: bool>(
     )
 }
 
-/// The beginning of a call. One and two unknowns have solvers without loops.
+/// The beginning of the call. Systems of one and of two unknowns have solvers of their own.
 fn solver(n: usize) -> String {
     match n {
         1 | 2 => format!("sidc_solve_{n}("),

@@ -10,7 +10,7 @@ use sidc_system::discovery::Form;
 #[derive(Default)]
 pub(crate) struct Definitions {
     pub in_order: Vec<Definition>,
-    /// Signals that stand for a derivative: (itself, ∂ of, by).
+    /// Signals that stand for a derivative: (∂q/∂s, q, s).
     pub derivatives: Vec<(Signal, Signal, Signal)>,
 }
 

@@ -1,7 +1,7 @@
 //! Partial derivatives of the rates by implicit differentiation.
 //!
-//! In: a form and signals s. Out: the linear systems M · ∂q/∂s = ∂right/∂s, block by block, and ∂(rates)/∂s in terms
-//! of their solutions (implicit function theorem). Exact; no differences.
+//! In: a form and signals s. Out: the linear systems M · ∂q/∂s = ∂right/∂s, block by block, and ∂(rates)/∂s in terms of their solutions
+//! (implicit function theorem). Exact: no finite differences are taken.
 
 use crate::code::program::definitions::{Definition, Definitions, System, is_explicit, mass};
 use crate::code::program::strong_components::blocks;
@@ -112,7 +112,7 @@ impl Differentiation<'_> {
             .for_each(|r| r.clone_from(&row));
     }
 
-    /// A new signal for ∂q_i/∂s_k. Its variable is beyond the last of any model, its shift is a counter.
+    /// A new signal for ∂q_i/∂s_k: a variable that no model has, with a counter as its shift.
     fn fresh(&mut self, i: usize, k: usize) -> Option<Signal> {
         let (of, by) = (self.form.unknowns.get(i)?, self.signals.get(k)?);
         let count = self.definitions.derivatives.len() as i32;

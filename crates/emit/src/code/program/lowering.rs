@@ -10,12 +10,12 @@ use crate::code::program::schedule::schedule;
 use crate::code::program::statements::{Argument, Body, Name, Read, Step};
 use sidc_lang::term::{Expr, Node, Signal};
 
-/// What a function is made from.
+/// The signals that a function can use.
 pub(crate) struct Scope<'a> {
     pub arguments: &'a [&'a Argument],
     /// Every signal that an argument or an equation gives, with its name.
     pub names: &'a [(Signal, String)],
-    /// Unknown constants, which alone stand in exponents.
+    /// Unknown constants, the only signals that exponents may contain.
     pub constants: &'a [Signal],
 }
 
@@ -52,7 +52,7 @@ impl Scope<'_> {
         entries.filter(|r| mentioned.contains(&r.signal)).collect()
     }
 
-    /// `sin_theta` for a function of one signal, `ddx_by_x` for a derivative, else a number.
+    /// `sin_theta` for a function of one signal, `ddx_by_x` for a derivative, else `w1`, `w2`, …
     fn preferred_names(
         &self,
         body: &Body,

@@ -1,4 +1,4 @@
-//! A system as straight-line code, independent of a language.
+//! A system as straight-line code, independent of any language.
 //!
 //! In: a [`Discovery`]. Out: the arguments in their order, and a [`Function`] for the rates, the outputs, and the
 //! Jacobians of the rates. Targets only write this down.
@@ -32,14 +32,14 @@ pub(crate) struct Program {
     /// True if some input acts later than it is commanded.
     pub is_delayed: bool,
     pub form: Form,
-    /// State, inputs, parameters, history, constants; those that are not empty, and always the state.
+    /// State, inputs, parameters, history, constants; all but the state are left out if empty.
     pub arguments: Vec<Argument>,
     pub functions: Vec<Function>,
-    /// Where the equations jump; empty if they nowhere do.
+    /// Where the equations jump; empty if they never do.
     pub switches: Switches,
     /// The sides of switches, an argument of functions that take them as given.
     sides: Argument,
-    /// The unknown constants that stand in the equations.
+    /// The unknown constants that occur in the equations.
     pub constants: Vec<Constant>,
     /// Every signal with the user's name.
     pub names: Vec<(Signal, String)>,
@@ -52,7 +52,7 @@ pub(crate) struct Constant {
     pub about: String,
 }
 
-/// One thing to compute.
+/// A function to write.
 pub(crate) struct Function {
     pub kind: Kind,
     pub body: Body,
@@ -64,16 +64,16 @@ pub(crate) struct Function {
 pub(crate) enum Kind {
     /// ẋ, or the next x.
     Rates,
-    /// Rates by state.
+    /// Derivatives of the rates by the state.
     Jacobian,
-    /// Rates by inputs.
+    /// Derivatives of the rates by the inputs.
     InputJacobian,
     Outputs,
-    /// Where each is zero, an equation jumps.
+    /// An equation jumps where one of these is zero.
     Guards,
     /// ẋ for given sides of all switches.
     RatesBySide,
-    /// ġ for given sides.
+    /// The rates ġ of the guards for given sides.
     GuardRates,
 }
 
@@ -170,7 +170,7 @@ impl Program {
         let known = arguments.iter().flat_map(|a| &a.signals);
         let mut names: Vec<(Signal, String)> = known.chain(&form.unknowns).map(named).collect();
         let (smooth, mut switches) = Switches::of(&form);
-        // Equations that only bend need no events: their rates are continuous.
+        // Equations with kinks but no jumps need no events: their rates are continuous.
         if !switches.jumps.contains(&true) {
             switches = Switches::default();
         }
@@ -228,7 +228,7 @@ impl Program {
         Ok(all)
     }
 
-    /// What steps from event to event need.
+    /// The functions that steps from event to event need.
     fn functions_by_side(&self, smooth: &Form) -> Result<Vec<Function>, Signal> {
         let guards = self.switches.guards.iter();
         let rates = smooth.rates.iter().map(|r| rate_signal(smooth, *r));
@@ -302,7 +302,7 @@ impl Program {
         body.map_err(|_| NOT_GIVEN.to_string())
     }
 
-    /// Identifiers of all signals, outputs among them.
+    /// Identifiers of all signals, including outputs.
     pub fn identifiers(&self, d: &Discovery, reserved: &[&'static str]) -> Identifiers {
         let outputs = self.form.outputs.iter().map(|(s, _)| (*s, d.name(*s)));
         let signals = self.names.iter().cloned().chain(outputs);
@@ -333,7 +333,7 @@ impl Program {
         self.constants.iter().map(|c| c.about.clone())
     }
 
-    /// The values of the constants, `a, b`, so that they read back.
+    /// The values of the constants, `a, b`, with all their digits.
     pub fn constant_values(&self) -> String {
         let all = self.constants.iter().map(|c| format!("{:?}", c.value));
         all.collect::<Vec<String>>().join(", ")
@@ -359,7 +359,7 @@ impl Program {
         self.functions.iter().find(|f| f.kind == kind)
     }
 
-    /// True if a step without events can be made of its rates; in discrete time `next` is one.
+    /// True if the rates can be integrated without events; in discrete time `next` is the step.
     pub fn has_step(&self) -> bool {
         !self.discrete && self.switches.is_empty() && self.get(Kind::Rates).is_some()
     }
@@ -385,7 +385,7 @@ impl Program {
         })
     }
 
-    /// Every function of the table that is called, once and in order.
+    /// Every function of the model language that is called, sorted and without repetition.
     pub fn calls(&self) -> Vec<Func> {
         let nodes = self.functions.iter().flat_map(|f| f.body.nodes());
         let mut all: Vec<Func> = nodes
@@ -400,7 +400,7 @@ impl Program {
     }
 
     /// # Errors
-    /// The language lacks a function of the table.
+    /// The language lacks a function of the model language that the system calls.
     pub fn check_calls(
         &self,
         language: &str,

@@ -245,7 +245,7 @@ impl Schedule {
             .extend(before.into_iter().map(|n| Step::Let(Name::Node(n), n)));
         let mut named_inside = Vec::new();
         roots.iter().for_each(|r| self.name(*r, &mut named_inside));
-        // Names within the loop end with it, and hold values of the step before the last.
+        // Names inside the loop are not visible after it, and their values belong to the iteration before the last.
         named_inside.iter().for_each(|n| {
             self.named.remove(n);
         });

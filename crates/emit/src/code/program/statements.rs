@@ -9,7 +9,7 @@ pub(crate) struct Argument {
     pub name: &'static str,
     pub about: &'static str,
     pub signals: Vec<Signal>,
-    /// The users' names.
+    /// Their names as the user wrote them.
     pub names: Vec<String>,
 }
 
@@ -73,7 +73,7 @@ impl Body {
         self.graph.nodes()
     }
 
-    /// The signal that an input node is.
+    /// The signal of an input node.
     pub fn input(&self, row: usize) -> Signal {
         self.inputs.get(row).copied().unwrap_or(Signal::TIME)
     }

@@ -1,4 +1,4 @@
-//! Block lower triangular form: the order in which unknowns can be computed, and which only together.
+//! Block lower triangular form: the order in which unknowns can be computed, and which of them only together.
 //!
 //! In: a form. Out: its rows in blocks; a block needs only unknowns of earlier blocks. Works on the structure alone.
 

@@ -50,7 +50,7 @@ impl Axis {
         }
     }
 
-    /// At most about so many round numbers in the range, with their labels; two at least, since one tells no scale.
+    /// About `most` round numbers in the range, with their labels; at least two, since one shows no scale.
     pub fn marks(&self, most: usize) -> Vec<(f64, String)> {
         let most = most.max(1);
         let mut finer = (most..=2 * most + 1).map(|most| self.marks_by(most));
@@ -82,7 +82,7 @@ pub(crate) fn extremes<'a>(values: impl Iterator<Item = &'a f64>) -> Option<(f64
     found
 }
 
-/// 1, 2 or 5 times a power of ten, not below.
+/// Rounded up to 1, 2 or 5 times a power of ten.
 fn round_up(x: f64) -> f64 {
     let power = 10f64.powf(x.log10().floor());
     let lead = x / power;

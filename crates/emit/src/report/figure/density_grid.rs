@@ -110,7 +110,7 @@ impl DensityGrid {
         met.get(at).copied().unwrap_or(1)
     }
 
-    /// Boxes around all cells visited at least so often; neighbours in a row are merged.
+    /// Boxes around all cells visited at least `least` times; neighbours in a row are merged.
     pub fn path(&self, least: u32) -> String {
         let (wide, high) = (
             f64::from(BOX_WIDTH) / self.side as f64,

@@ -17,11 +17,11 @@ pub(crate) struct Plot<'a> {
     /// Labels of the axes.
     pub x_name: String,
     pub y_name: String,
-    /// Elements of SVG.
+    /// SVG elements.
     pub elements: String,
 }
 
-/// A path of a CSS class.
+/// A path with a CSS class.
 pub(crate) fn path(class: &str, d: &str) -> String {
     match d.is_empty() {
         true => String::new(),

@@ -1,4 +1,5 @@
-//! How the errors of coefficients that were estimated together depend on each other: a matrix where it can be read, else the strongest pairs.
+//! Correlations between the errors of coefficients that were estimated together: a matrix if it is small enough to read, else the strongest
+//! pairs.
 
 use crate::report::markup::{counted, lead, number};
 use crate::report::report_contents::Subject;
@@ -6,9 +7,9 @@ use crate::typeset::mathml::{MathMl, escape};
 use sidc_lang::term::{Language, SignalNames};
 use sidc_system::discovery::Correlations;
 
-/// Coefficients of a matrix.
+/// Most coefficients that are shown as a matrix.
 const MAX_COEFFICIENTS: usize = 16;
-/// Pairs that are listed of more.
+/// Pairs that are listed if there are more coefficients.
 const MAX_PAIRS: usize = 12;
 
 /// Empty if no fit has two coefficients.
@@ -29,7 +30,7 @@ fn one_fit(s: &Subject, c: &Correlations) -> String {
     }
 }
 
-/// Below the diagonal, columns by the number of their row.
+/// The part below the diagonal; columns have the numbers of the rows.
 fn matrix(s: &Subject, c: &Correlations) -> String {
     let head: String = (1..c.of.len())
         .map(|k| format!("<th scope=\"col\">{k}</th>"))
@@ -48,7 +49,7 @@ fn matrix(s: &Subject, c: &Correlations) -> String {
     )
 }
 
-/// The stronger, the more colour.
+/// The stronger the correlation, the stronger the colour.
 fn cell(c: &Correlations, i: usize, j: usize) -> String {
     let r = c.between(i, j).unwrap_or(f64::NAN);
     let sign = if r < 0.0 { "against" } else { "with" };
@@ -80,7 +81,7 @@ fn pairs(s: &Subject, c: &Correlations) -> String {
     )
 }
 
-/// The term, behind its target where the fit has several equations.
+/// The term, after its target if the fit has several equations.
 fn name(s: &Subject, c: &Correlations, place: usize) -> String {
     let Some((target, term)) = c.of.get(place) else {
         return String::new();

@@ -6,7 +6,7 @@ use crate::report::sections::equations::heading;
 use crate::typeset::mathml::escape;
 use sidc_system::discovery::{CosineTable, Equation, Identifiability};
 
-/// Relations of one equation that are printed.
+/// Most relations that are printed for one equation.
 const MAX_RELATIONS: usize = 5;
 
 pub(crate) fn html(s: &Subject) -> Section {
@@ -83,7 +83,7 @@ fn short(x: f64) -> String {
         Some(rest) => rest.to_string(),
         None => "1".into(),
     };
-    // Two digits would show 1.
+    // Rounded to two digits it would look like 1.
     let body = match x.abs() {
         near if (0.995..1.0).contains(&near) => ".99+".into(),
         _ => body,

@@ -16,8 +16,8 @@ pub(super) struct Series {
 }
 
 impl Series {
-    /// With the autocorrelation at lags up to `lags`; `None` if the values do not vary. Pairs with a missing value are left out; sums are
-    /// divided by the number of values (the biased estimate; Box and Jenkins, Time Series Analysis, 2.1).
+    /// With the autocorrelation at lags up to `lags`; `None` if the values do not vary or are too few. Pairs with a missing value are left
+    /// out; sums are divided by the number of values (the biased estimate; Box and Jenkins, Time Series Analysis, 2.1).
     pub fn new(values: &[f64], lags: usize) -> Option<Series> {
         let finite = || values.iter().filter(|v| v.is_finite());
         let count = finite().count();
@@ -38,8 +38,8 @@ impl Series {
         })
     }
 
-    /// Correlations with `other` so many rows before, and the standard error of one if the two have nothing to do with each other: both
-    /// have memory, so it is √(Σ ρ(k) ρ′(k) / n) over all lags k (Bartlett 1935; Box and Jenkins, 11.1.3).
+    /// Correlations with `other` at 0, 1, … rows earlier, and the standard error of one of them if the two are independent. Both are
+    /// autocorrelated, so that it is √(Σ ρ(k) ρ′(k) / n) over all lags k (Bartlett 1935; Box and Jenkins, 11.1.3).
     pub fn correlation(&self, other: &Series) -> (Vec<f64>, f64) {
         let (own, past) = (&self.autocorrelation, &other.autocorrelation);
         let sums = lagged_products(&self.centred, &other.centred, own.len() - 1);
@@ -55,7 +55,7 @@ fn lagged_products(now: &[f64], past: &[f64], lags: usize) -> Vec<f64> {
     // Zeros before the first value add nothing.
     let mut padded = vec![0.0; lags];
     padded.extend(past);
-    // All lags in one pass, the longest first, so that sums do not wait for each other.
+    // All lags in one pass, the longest first: sums that are independent of each other can be added in parallel.
     let mut sums = vec![0.0_f64; lags + 1];
     for (past, now) in padded.windows(lags + 1).zip(now) {
         sums.iter_mut().zip(past).for_each(|(s, x)| *s += now * x);
@@ -101,7 +101,7 @@ mod tests {
         assert!(autocorrelation(&gaps, 40).unwrap().0[1] > 0.98);
     }
 
-    /// Two that have nothing to do with each other stay in their band, though both have memory; what follows an input does not.
+    /// Independent series stay within their band although both are autocorrelated; a series that follows an input does not.
     #[test]
     fn the_band_holds_for_series_with_memory() {
         let slow = |random: &mut Numbers, n: usize| -> Vec<f64> {

@@ -1,4 +1,4 @@
-//! Coverage of the data: histograms of signals and of pairs, over all records. Outside, nothing is known.
+//! Coverage of the data: histograms of signals and of pairs, over all records. Outside it the equations are untested.
 
 use crate::report::figure::axis::{Axis, extremes};
 use crate::report::figure::density_grid::DensityGrid;
@@ -12,7 +12,7 @@ use sidc_lang::model::VarKind;
 use sidc_lang::term::{Signal, SignalNames};
 use sidc_system::discovery::Excitation;
 
-/// Signals that are plotted against each other.
+/// Most signals that are plotted against each other.
 const MAX_SIGNALS: usize = 5;
 const BINS: usize = 32;
 const CELLS_PER_SIDE: usize = 48;

@@ -65,7 +65,7 @@ fn remarks(d: &Discovery, e: &Equation) -> String {
     format!("<ul class=\"remarks\">{lines}</ul>")
 }
 
-/// The target as a heading, which is read aloud by its name: dots over letters are read as punctuation.
+/// The target as a heading. A screen reader gets its name, because it would read dots over letters as punctuation.
 pub(super) fn heading(s: &Subject, e: &Equation) -> String {
     let (name, symbol) = (
         s.discovery.name(e.target),
@@ -74,7 +74,7 @@ pub(super) fn heading(s: &Subject, e: &Equation) -> String {
     format!("<h3 aria-label=\"{}\">{symbol}</h3>\n", escape(&name))
 }
 
-/// The units of the coefficients, where units were declared.
+/// A note on the units of the coefficients, if units were declared.
 pub(crate) fn reading(s: &Subject) -> String {
     let has_units = s.discovery.variables.iter().any(|v| v.unit.is_some());
     match has_units {

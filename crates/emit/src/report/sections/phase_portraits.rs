@@ -10,7 +10,7 @@ use crate::typeset::mathml::escape;
 use sidc_lang::model::VarKind;
 use sidc_lang::term::{Signal, SignalNames, VarId};
 
-/// Portraits of one record.
+/// Most portraits of one record.
 const MAX_PORTRAITS: usize = 4;
 
 pub(crate) fn html(s: &Subject) -> Section {
@@ -65,7 +65,7 @@ fn portrait(s: &Subject, r: &Record, (x, y): (Signal, Signal)) -> Option<String>
     let simulated = r.column(x).zip(r.column(y));
     let simulated = simulated.map(|((_, xs), (_, ys))| (xs, ys));
     let measured = r.measured(x).zip(r.measured(y));
-    // A simulation that diverged would squeeze the rest.
+    // The axes fit the readings: a run that diverged would squeeze them.
     let run = simulated.as_ref().map(|(xs, ys)| (&xs[..], &ys[..]));
     let (xs, ys) = measured.or(run)?;
     let (ax, ay) = (Axis::over(xs.iter())?, Axis::over(ys.iter())?);
@@ -98,7 +98,7 @@ fn portrait(s: &Subject, r: &Record, (x, y): (Signal, Signal)) -> Option<String>
     ))
 }
 
-/// A path of its class, filled if it consists of cells.
+/// A path with its class, filled if it consists of cells.
 fn drawn(class: &str, d: CurvePath) -> String {
     match d.filled {
         true => path(&format!("{class} filled"), &d.d),

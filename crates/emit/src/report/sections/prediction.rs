@@ -1,4 +1,4 @@
-//! How far ahead the equations predict: for each signal the growth of the error, beside no change and a linear model.
+//! How far ahead the equations predict: for each signal the growth of the error, compared with no change and with a linear model.
 
 use crate::report::figure::axis::{Axis, extremes};
 use crate::report::figure::downsampling::{height, place};
@@ -10,12 +10,12 @@ use crate::text::verdict::verdict;
 use crate::typeset::mathml::escape;
 use sidc_system::predict::{AheadFigures, ErrorFigures, Prediction, SignalPrediction};
 
-/// Signals that are plotted.
+/// Most signals that are plotted.
 const MAX_FIGURES: usize = 6;
-/// Smallest error of a plot, in spreads: below is rounding.
+/// Smallest error that is plotted, relative to the spread; smaller ones are rounding.
 const FLOOR: f64 = 1e-6;
 
-/// Empty for results of earlier programs.
+/// Empty for results of earlier versions.
 pub(crate) fn html(s: &Subject) -> Section {
     let Some(found) = &s.document.verdict else {
         return Section::default();

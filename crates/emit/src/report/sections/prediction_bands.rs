@@ -1,4 +1,4 @@
-//! Predictions of the readings held out, each with its band: for each signal the record with most of them.
+//! Predictions of held-out readings with their bands: for each signal the record that has most of them.
 //!
 //! In: a prediction. Out: HTML, empty without data held out.
 
@@ -9,7 +9,7 @@ use crate::report::markup::{lead, number};
 use crate::typeset::mathml::escape;
 use sidc_system::predict::{PredictedReading, Prediction, SignalPrediction};
 
-/// Figures of so many signals.
+/// Figures of the first `signals` signals.
 pub(super) fn html(p: &Prediction, signals: usize) -> String {
     let pictures: String = (p.signals.iter().take(signals))
         .filter_map(|s| picture(p, s))
@@ -41,7 +41,7 @@ pub(super) fn picture(p: &Prediction, s: &SignalPrediction) -> Option<String> {
     let (from, to) = extremes(time.iter())?;
     let (bottom, top) = extremes(read.iter().chain(&predicted))?;
     let widest = held.course.iter().map(|c| c.half_width).fold(0.0, f64::max);
-    // A band far wider than what it is about would leave only itself to be seen.
+    // A band far wider than the readings would leave nothing else to be seen.
     let margin = widest.min(0.5 * (top - bottom));
     let axes = (
         &Axis::new(from, to),

@@ -130,7 +130,7 @@ fn marks(s: &Subject) -> Option<String> {
     }
 }
 
-/// How the equations run along the records, a sentence each for the first few.
+/// How the equations run along the records, one sentence for each of the first few.
 fn runs(s: &Subject) -> Vec<String> {
     const MAX_RUNS: usize = 5;
     let mut out: Vec<String> = s

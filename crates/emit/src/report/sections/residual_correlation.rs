@@ -9,10 +9,10 @@ use crate::report::report_contents::Subject;
 use crate::typeset::mathml::escape;
 use sidc_lang::term::{Signal, SignalNames};
 
-/// The errors of one signal with their own past, beside the band of white noise.
+/// Autocorrelation of the errors of one signal, with the band of white noise.
 pub(super) fn with_itself(s: &Subject, x: Signal, errors: &Series) -> String {
     let name = s.discovery.name(x);
-    // An error goes with itself, always.
+    // The correlation at lag 0 is always 1.
     correlogram(&Correlogram {
         correlations: &errors.autocorrelation,
         counted_from: 1,
@@ -23,7 +23,7 @@ pub(super) fn with_itself(s: &Subject, x: Signal, errors: &Series) -> String {
     })
 }
 
-/// The errors of one signal with the past of one input, beside the band of errors that have nothing to do with it.
+/// Correlation of the errors of one signal with the past of one input, with the band of errors that do not depend on it.
 pub(super) fn with_input(
     s: &Subject,
     (x, errors): (Signal, &Series),
@@ -41,7 +41,7 @@ pub(super) fn with_input(
     })
 }
 
-/// Correlations by lag and the band that chance leaves them.
+/// Correlations by lag, and the band that 95 % of them stay in by chance.
 struct Correlogram<'a> {
     correlations: &'a [f64],
     /// The first lag that can be outside the band.

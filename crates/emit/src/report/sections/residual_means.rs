@@ -1,4 +1,4 @@
-//! The errors of free runs along the values of a state: a curve shows a term that the equations have not.
+//! The errors of free runs along the values of a state: a curve points to a missing term.
 
 use crate::report::figure::axis::Axis;
 use crate::report::figure::downsampling::{height, place};
@@ -8,7 +8,7 @@ use crate::thresholds::FIGURES;
 use crate::typeset::mathml::escape;
 use sidc_lang::term::{Signal, SignalNames};
 
-/// The mean of some errors, where the state was in the mean, and the standard error as if they were independent.
+/// The mean of a group of errors, the mean of the state there, and the standard error as if the errors were independent.
 struct Mean {
     at: f64,
     error: f64,

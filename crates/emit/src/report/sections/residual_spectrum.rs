@@ -11,8 +11,8 @@ use crate::thresholds::FIGURES;
 use crate::typeset::mathml::escape;
 use sidc_lang::term::{Signal, SignalNames};
 
-/// The periodogram of consecutive values: power at k/n cycles a sample, k = 1 … n/2, each over the sum of all; missing values count as
-/// the mean. `None` if they do not vary.
+/// The periodogram of evenly spaced values: power at k/n cycles per sample, k = 1 … n/2, divided by the total. Missing values count as the
+/// mean. `None` if the values are too few or do not vary.
 fn periodogram(values: &[f64]) -> Option<Vec<f64>> {
     let finite = || values.iter().filter(|v| v.is_finite());
     let mean = finite().sum::<f64>() / finite().count().max(1) as f64;
@@ -35,14 +35,14 @@ fn periodogram(values: &[f64]) -> Option<Vec<f64>> {
     varies.then(|| powers.iter().map(|p| p / sum).collect())
 }
 
-/// The largest share of the power that one frequency of K has by chance, once in a thousand series of white noise
-/// (Fisher, Proc. R. Soc. A 125, 1929: P(share > g) ≤ K (1 − g)^(K−1)).
+/// The share of the power that the strongest of K frequencies exceeds in one of a thousand series of white noise (Fisher, Proc. R. Soc. A
+/// 125, 1929: P(share > g) ≤ K (1 − g)^(K−1)).
 fn largest_by_chance(frequencies: usize) -> f64 {
     let k = frequencies as f64;
     1.0 - (1e-3 / k).powf(1.0 / (k - 1.0))
 }
 
-/// The longest stretch with even times, or so much of its middle as is looked at, and its step.
+/// The step and the values of the longest evenly spaced run of samples, cut to its middle if it is long.
 fn even_rows<'a>(time: &[f64], values: &'a [f64]) -> Option<(f64, &'a [f64])> {
     let mut stretches: Vec<_> = std::iter::once(0..1).collect();
     for k in 1..time.len() {
@@ -63,13 +63,13 @@ fn even_rows<'a>(time: &[f64], values: &'a [f64]) -> Option<(f64, &'a [f64])> {
     Some((step, values.get(from..from + rows)?)).filter(|(step, _)| *step > 0.0)
 }
 
-/// One signal, if its samples are even in time.
+/// The spectrum of one signal, if its samples are evenly spaced.
 pub(super) fn picture(s: &Subject, x: Signal, (time, left): (&[f64], &[f64])) -> Option<String> {
     let (step, left) = even_rows(time, left)?;
     let shares = periodogram(left)?;
     let frequency = |k: usize| (k + 1) as f64 / (left.len() as f64 * step);
     let (peak, share) = (shares.iter().copied().enumerate()).max_by(|a, b| a.1.total_cmp(&b.1))?;
-    // Neighbours are averaged, so that a wide figure is no thicket.
+    // Neighbouring frequencies are summed, so that the figure stays readable.
     let width = shares.len().div_ceil(FIGURES.spectrum_points);
     let means = shares.chunks(width).map(|c| c.iter().sum::<f64>());
     let means: Vec<f64> = means.map(|share| 100.0 * share).collect();

@@ -1,4 +1,4 @@
-//! The errors of free runs: their memory, their spectrum, what they share with inputs and states.
+//! The errors of free runs: their autocorrelation, their spectrum, how they depend on inputs and states.
 
 use crate::report::markup::{Section, lead};
 use crate::report::report_contents::{Record, Subject};
@@ -11,7 +11,7 @@ use crate::typeset::mathml::escape;
 use sidc_lang::model::VarKind;
 use sidc_lang::term::{Signal, VarId};
 
-/// Figures of one kind.
+/// Most figures of one kind.
 const MAX_FIGURES: usize = 6;
 
 pub(crate) fn html(s: &Subject) -> Section {
@@ -92,12 +92,12 @@ struct Errors {
     signal: Signal,
     time: Vec<f64>,
     values: Vec<f64>,
-    /// `None` if they do not vary.
+    /// `None` if they do not vary or are too few.
     series: Option<Series>,
 }
 
 impl Errors {
-    /// `None` if there are none, or if they are too small to be noise of a sensor: then they are those of rounding and of the start.
+    /// `None` if there are none, or if they are too small to be sensor noise: then they come from rounding and from the start.
     fn new(r: &Record, signal: Signal) -> Option<Errors> {
         let mut scores = r.scores(signal);
         if scores.all(|(_, _, c)| 1.0 - c.fit / 100.0 < FIGURES.exact_run) {
@@ -114,7 +114,7 @@ impl Errors {
     }
 }
 
-/// The inputs that vary, those that no equation uses too: they are of more interest than the others.
+/// The inputs that vary, including those that no equation uses: the errors may show that one of them is missing.
 fn inputs(s: &Subject, r: &Record, time: &[f64]) -> Vec<(Signal, Series)> {
     let variables = (0u16..).zip(&s.discovery.variables);
     let inputs = variables.filter(|(_, v)| v.kind == VarKind::Input);

@@ -9,10 +9,10 @@ use crate::thresholds::FIGURES;
 use crate::typeset::mathml::escape;
 use sidc_lang::term::{Signal, SignalNames};
 
-/// Of runs that leave their readings whatever the equations.
+/// Note on runs that leave their readings whatever the equations are.
 pub(crate) const SENSITIVE: &str = "<p>Two runs whose starts differ by the error of the readings part here: a free run leaves its record whatever the equations, and says nothing of them. What they are worth is told by <a href=\"#prediction\">how far ahead they predict</a>.</p>\n";
 
-/// Records with figures, and figures of one record.
+/// Most records with figures, and most figures of one record.
 const MAX_RECORDS: usize = 4;
 const MAX_FIGURES: usize = 10;
 
@@ -92,7 +92,7 @@ pub(crate) fn span(r: &Record) -> Option<Axis> {
     Some(Axis::new(*first, *last))
 }
 
-/// Stretches held out, shaded.
+/// Shades the hold-out ranges.
 pub(crate) fn shades(role: &Role, time: &Axis) -> String {
     let Role::Used(held) = role else {
         return String::new();

@@ -12,10 +12,10 @@ use sidc_system::predict::{DataKind, Prediction, SignalPrediction};
 use sidc_system::ranked_reasons::{change, foremost, ranked};
 use sidc_system::verdict::{LawVerdict, RunStatus, Verdict};
 
-/// Equations that stand before the answers.
+/// Most equations that are shown above the answers.
 const MAX_EQUATIONS: usize = 6;
 
-/// A CSS class, from good to bad, and the words of a badge.
+/// The CSS class and the words of a badge.
 pub(crate) type Badge = (&'static str, &'static str);
 const GOOD: &str = "pass";
 const OPEN: &str = "known";
@@ -69,7 +69,7 @@ pub(crate) fn equations(d: &Discovery, most: usize) -> String {
     out
 }
 
-/// The badges of the three answers; documents of earlier programs have the first alone.
+/// The badges of the three answers; documents of earlier versions have only the first.
 pub(crate) fn badges(s: &Subject) -> [Badge; 3] {
     let verdict = s.document.verdict.as_ref();
     [
@@ -79,7 +79,7 @@ pub(crate) fn badges(s: &Subject) -> [Badge; 3] {
     ]
 }
 
-/// Is it the law, how far ahead does it predict, does it run freely; documents of earlier programs have the first alone.
+/// Is it the law, how far ahead does it predict, does it run freely; documents of earlier versions answer only the first.
 fn three_answers(s: &Subject) -> String {
     let d = s.discovery;
     let badges = badges(s);
@@ -110,7 +110,7 @@ fn law(v: LawVerdict) -> Badge {
     }
 }
 
-/// Good is what `--good` asks for or, where nothing was asked for, what is better than a linear model on data held out.
+/// Good is what meets `--good` or, without that option, what beats a linear model on held-out data.
 fn predicts(d: &Discovery, p: &Prediction) -> Badge {
     match p.good {
         _ if p.signals.is_empty() => (OPEN, "none"),
@@ -123,7 +123,7 @@ fn predicts(d: &Discovery, p: &Prediction) -> Badge {
     }
 }
 
-/// Whether every signal is predicted better than by the linear model, or to rounding.
+/// Whether every signal is predicted better than by the linear model, or exactly up to rounding.
 fn beats_linear(signals: &[&SignalPrediction]) -> bool {
     let beats = |s: &SignalPrediction| {
         let own = s.error.quantile_90.unwrap_or(f64::INFINITY);
@@ -143,7 +143,7 @@ fn runs(v: &Verdict) -> Badge {
     }
 }
 
-/// The foremost reasons, each with what to do and whatever stands `behind` it.
+/// The foremost reasons, each with what to do and with what `behind` adds.
 pub(crate) fn reasons(d: &Discovery, behind: impl Fn(&Reason) -> String) -> String {
     let ranked = ranked(d);
     let foremost = foremost(&ranked, PRINTED.reasons);
@@ -164,7 +164,7 @@ pub(crate) fn reasons(d: &Discovery, behind: impl Fn(&Reason) -> String) -> Stri
     }
 }
 
-/// The lines of the model that answer a reason, to be copied.
+/// The lines of a model that answer a reason, ready to be copied.
 fn lines(r: &Reason) -> String {
     match change(r) {
         Some(Change::Model(lines)) => format!("<pre>{}</pre>", escape(&lines.join("\n"))),
@@ -172,12 +172,12 @@ fn lines(r: &Reason) -> String {
     }
 }
 
-/// The code, by which the documentation knows a reason.
+/// The code under which the documentation lists a reason.
 fn code(r: &Reason) -> String {
     format!(" <code>{}</code>", escape(r.code.as_str()))
 }
 
-/// Of an answer without reasons against it.
+/// The next step if the equations pass, else nothing.
 fn next(s: &Subject) -> String {
     let d = s.discovery;
     let held_out = s.document.verdict.as_ref();
@@ -203,7 +203,7 @@ fn next(s: &Subject) -> String {
     format!("<p><b>Next:</b> {next}</p>\n")
 }
 
-/// The signal with the largest part of its spread: what was predicted of data held out, or how the error grows.
+/// The signal with the largest error relative to its spread: its predictions of held-out data, or how its error grows.
 fn worst_prediction(s: &Subject) -> Option<String> {
     let p = &s.document.verdict.as_ref()?.prediction;
     let share = |s: &SignalPrediction| s.error.quantile_90.unwrap_or(f64::INFINITY) / s.spread;

@@ -1,6 +1,6 @@
 //! A zip archive.
 //!
-//! In: names and contents. Out: the bytes of the archive; the same for the same files, because all have one time.
+//! In: names and contents. Out: the bytes of the archive; the same for the same files, because the time stamps are fixed.
 
 use std::io::Write;
 
@@ -10,7 +10,7 @@ use rawzip::time::UtcDateTime;
 use rawzip::{CompressionMethod, ZipArchiveWriter};
 
 /// # Errors
-/// None that happens: nothing but memory is written to.
+/// Never in practice: only memory is written to.
 pub(super) fn zip(files: &[(&str, &[u8])]) -> Result<Vec<u8>, String> {
     let mut archive = ZipArchiveWriter::new(Vec::new());
     for (name, content) in files {
@@ -25,7 +25,7 @@ fn add(
     name: &str,
     content: &[u8],
 ) -> Result<(), Box<dyn std::error::Error>> {
-    // The least time that an archive can say.
+    // The earliest time that an archive can store.
     let time = UtcDateTime::from_components(1980, 1, 1, 0, 0, 0, 0).ok_or("no time")?;
     let file = archive
         .new_file(name)

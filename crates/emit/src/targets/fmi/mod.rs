@@ -1,7 +1,7 @@
 //! FMI 3.0: a functional mock-up unit for Model Exchange as C sources, for Simulink, Dymola, OpenModelica, fmpy and the like.
 //!
-//! In: a discovery in continuous time. Out: a zip archive of `modelDescription.xml` and `sources`. The binary is compiled by whoever
-//! imports it, with the headers of FMI. The equations are those of `c`.
+//! In: a discovery in continuous time. Out: a zip archive of `modelDescription.xml` and `sources`. The importer compiles the binary with
+//! the FMI headers. The equations are those of target `c`.
 
 mod archive;
 mod model_description;

@@ -1,6 +1,6 @@
-//! `modelDescription.xml`: what an importer reads of an FMU, and `buildDescription.xml`: how it is compiled.
+//! `modelDescription.xml`: what an importer reads about an FMU, and `buildDescription.xml`: how it is compiled.
 //!
-//! In: the variables. Out: XML. Names of users are escaped here and nowhere else.
+//! In: the variables. Out: XML. Names that users chose are escaped here and nowhere else.
 
 use std::collections::BTreeSet;
 
@@ -33,7 +33,7 @@ pub(super) fn text(d: &Discovery, program: &Program, variables: &Variables, id: 
     )
 }
 
-/// What to compile: one file, which contains the other.
+/// What to compile: one file, which includes the other.
 pub(super) fn build(id: &str) -> String {
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiBuildDescription fmiVersion=\"3.0\">\n  <BuildConfiguration modelIdentifier=\"{id}\">\n    \
@@ -41,7 +41,7 @@ pub(super) fn build(id: &str) -> String {
     )
 }
 
-/// Text of several lines as the value of an attribute, in which a plain line end would read as a blank.
+/// Text of several lines as the value of an attribute, where a plain line end would be read as a space.
 fn attribute(text: &str) -> String {
     escape(text).replace('\n', "&#10;")
 }
@@ -100,7 +100,7 @@ fn variable(reference: usize, v: &Variable) -> String {
     )
 }
 
-/// Outputs name what they follow, so that importers see where nothing is fed through.
+/// Outputs list what they depend on, so that importers see where there is no direct feedthrough.
 fn structure(variables: &Variables) -> String {
     let output = |r: Role| matches!(r, Role::State | Role::Output);
     let rate = |r: Role| matches!(r, Role::Rate(_));

@@ -1,6 +1,6 @@
-//! The token by which a binary knows its description: a hash of the content.
+//! The token by which a binary recognises its description: a hash of the content.
 
-/// What stands in both files until their content is known.
+/// Placeholder in both files until their content is known.
 pub(super) const TOKEN: &str = "@TOKEN@";
 
 /// FNV-1a of 128 bits.

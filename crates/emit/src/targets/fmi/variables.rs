@@ -1,7 +1,7 @@
 //! The variables of an FMU, in the order of their value references.
 //!
-//! In: a discovery and its program. Out: a list of variables, each with what XML says of it. The order is that of `fmi3.c`: time,
-//! states, rates, inputs, parameters, outputs, guards.
+//! In: a discovery and its program. Out: a list of variables with their attributes in XML. The order is that of `fmi3.c`: time, states,
+//! rates, inputs, parameters, outputs, guards.
 
 use crate::caveats::delays;
 use crate::code::identifiers::{harmless, plain};
@@ -10,14 +10,14 @@ use sidc_lang::number::significant;
 use sidc_lang::term::{Signal, SignalNames};
 use sidc_system::discovery::{Discovery, Rate};
 
-/// Digits of a delay in a name.
+/// Significant digits of a delay in a name.
 const DELAY_DIGITS: usize = 6;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
     Time,
     State,
-    /// The rate of the state of this value reference.
+    /// The rate of the state with this value reference.
     Rate(usize),
     Input,
     Parameter,
@@ -32,12 +32,12 @@ pub(super) struct Variable {
     pub unit: Option<String>,
     /// For states, inputs and parameters.
     pub start: f64,
-    /// The value references that an output follows without more computation; `None` if it may follow from all.
+    /// The value references that an output depends on directly; `None` if it may depend on all.
     pub follows: Option<Vec<usize>>,
 }
 
 pub(super) struct Variables {
-    /// A variable's place is its value reference.
+    /// A variable's index is its value reference.
     pub all: Vec<Variable>,
 }
 
@@ -63,7 +63,7 @@ impl Variables {
         variables
     }
 
-    /// The value references of a kind of variables, in their order.
+    /// The variables of a role with their value references, in order.
     pub fn of(&self, role: impl Fn(Role) -> bool) -> impl Iterator<Item = (usize, &Variable)> {
         let all = self.all.iter().enumerate();
         all.filter(move |(_, v)| role(v.role))
@@ -73,7 +73,7 @@ impl Variables {
         self.of(|r| r == role).count()
     }
 
-    /// The starts of a kind of variables.
+    /// The start values of the variables of a role.
     pub fn starts(&self, role: Role) -> Vec<f64> {
         self.of(|r| r == role).map(|(_, v)| v.start).collect()
     }
@@ -107,7 +107,7 @@ impl Variables {
         }
     }
 
-    /// The name of a late input says what it takes.
+    /// The name of a delayed input says which value it takes.
     fn inputs(&mut self, d: &Discovery, program: &Program) {
         let inputs = &program.form.inputs;
         let delays = delays(d, inputs);
@@ -125,7 +125,7 @@ impl Variables {
         }
     }
 
-    /// Those from a column of the data have no value of their own.
+    /// Parameters from a column of the data have no value of their own.
     fn parameters(&mut self, d: &Discovery, program: &Program) {
         let form = &program.form;
         for s in &form.params {
@@ -162,7 +162,7 @@ impl Variables {
     }
 }
 
-/// The value reference of time, a state or an input; `None` for what does not move while the simulation runs, and what is computed.
+/// The value reference of time, a state or an input; `None` for what is constant during a simulation or computed.
 fn reference(program: &Program, s: Signal) -> Option<usize> {
     let form = &program.form;
     let place = |all: &[Signal]| all.iter().position(|x| *x == s);

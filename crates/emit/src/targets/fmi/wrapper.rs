@@ -1,6 +1,6 @@
 //! `fmi3.c`: the functions of FMI around those of the equations.
 //!
-//! In: a program and its variables. Out: C, in which no name of a user stands.
+//! In: a program and its variables. Out: C without any name that a user chose.
 
 use super::variables::{Role, Variables};
 use crate::code::c_sources::with_prefix;
@@ -12,7 +12,7 @@ const SLOPES: &str = include_str!("slopes.c");
 const NO_SLOPES: &str = include_str!("no_slopes.c");
 const UNUSED: &str = include_str!("unused.c");
 
-/// True if the FMU differentiates: neither outputs nor events have Jacobians.
+/// True if the FMU gives directional derivatives; outputs and events have no Jacobians.
 pub(super) fn has_slopes(program: &Program) -> bool {
     program.get(Kind::Jacobian).is_some()
         && program.form.outputs.is_empty()
@@ -60,7 +60,7 @@ fn number(x: f64) -> String {
     }
 }
 
-/// The arguments after the state: constants lie behind the parameters.
+/// The arguments after the state; constants are stored after the parameters.
 fn passed(program: &Program) -> String {
     let given = program.form.params.len();
     let argument = |name: &str| match name {

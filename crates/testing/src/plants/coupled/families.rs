@@ -1,7 +1,7 @@
 //! Kinds of coupled mechanisms, with random masses, lengths, springs and frictions.
 //!
-//! In: a family, random numbers. Out: a mechanism with the names of its coordinates. Angles are absolute, so that every M_ii is
-//! constant and each law can be told as its own acceleration.
+//! In: a family, random numbers. Out: a mechanism with the names of its coordinates. Angles are absolute, so that every M_ii is constant
+//! and each law can be solved for its own acceleration.
 
 use super::lagrange::{Mass, Mechanism};
 use crate::random::{Random, decimals};
@@ -60,7 +60,7 @@ impl Family {
         }
     }
 
-    /// Of the coordinates: along a track, or angles.
+    /// The names of the coordinates: positions on a track, and angles.
     pub fn coordinates(self) -> &'static [&'static str] {
         match self {
             Family::CartChain | Family::Twins => &["x", "th1", "th2"],
@@ -100,7 +100,7 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    /// Three decimals, as a data sheet has them.
+    /// Rounded to three decimals, as on a data sheet.
     fn uniform(&mut self, low: f64, high: f64) -> f64 {
         decimals(self.random.uniform(low, high), 3)
     }
@@ -125,8 +125,8 @@ impl Builder<'_> {
         self.made.springs.push((stiffness, of.to_vec()));
     }
 
-    /// Bobs at the ends of `paths` of links, on `carts`. Every second draw, rods have a mass of their own, and joints brake against the link
-    /// before.
+    /// Bobs at the ends of `paths` of links, on `carts`. In half of the draws rods have a mass of their own; in half of them the friction
+    /// of a joint acts between two links.
     fn hang(&mut self, carts: &[usize], paths: &[&[usize]]) {
         let lengths: Vec<f64> = (0..4).map(|_| self.uniform(0.25, 0.7)).collect();
         let (heavy, relative) = (self.even_odds(), self.even_odds());
@@ -162,7 +162,7 @@ impl Builder<'_> {
         self.damper((0.03, 0.3), &[(own, 1.0)]);
     }
 
-    /// Links on one cart, which every second draw a spring holds.
+    /// Links on one cart, which a spring holds in half of the draws.
     fn on_a_cart(&mut self, paths: &[&[usize]]) {
         self.cart(&[0], 0);
         self.hang(&[0], paths);

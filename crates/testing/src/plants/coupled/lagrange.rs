@@ -34,7 +34,7 @@ pub struct Mechanism {
 }
 
 impl Mass {
-    /// Along the track, and up.
+    /// The position along the track, and the height.
     fn place(&self) -> [Polynomial; 2] {
         let sum = |f: fn(usize) -> Factor, sign: f64| {
             let add = |sum: Polynomial, (i, length): &(usize, f64)| {
@@ -51,7 +51,7 @@ impl Mass {
 }
 
 impl Mechanism {
-    /// M_ij
+    /// The entry M_ij of the mass matrix.
     fn mass(&self, i: usize, j: usize) -> Polynomial {
         let own = self.inertias.iter().filter(|(k, _)| i == j && *k == i);
         let own = own.fold(Polynomial::default(), |sum, (_, inertia)| {
@@ -65,7 +65,7 @@ impl Mechanism {
         })
     }
 
-    /// V
+    /// The potential energy V.
     fn potential(&self) -> Polynomial {
         let weight = self.masses.iter().fold(Polynomial::default(), |sum, mass| {
             let [_, height] = mass.place();
@@ -80,7 +80,7 @@ impl Mechanism {
         })
     }
 
-    /// What brakes coordinate `i`, less what pushes it.
+    /// The friction on coordinate `i`, less the inputs that act on it.
     fn friction(&self, i: usize) -> Polynomial {
         let mut sum = Polynomial::default();
         for (friction, of) in &self.dampers {
@@ -134,7 +134,7 @@ pub struct Laws {
 }
 
 impl Laws {
-    /// q̈ at a point, whose own accelerations are not read.
+    /// q̈ at a point; the accelerations of the point are not read.
     pub fn accelerations(&self, at: &Point) -> [f64; COORDINATES] {
         let row = |(masses, rest): (&Vec<Polynomial>, &Polynomial)| {
             let mut row: Vec<f64> = masses.iter().map(|m| m.value(at)).collect();
@@ -144,7 +144,7 @@ impl Laws {
         solved(self.mass.iter().zip(&self.rest).map(row).collect())
     }
 
-    /// Law `i` as its own acceleration: q̈_i = Σ coefficient · monomial. The M_ii of these mechanisms are constant.
+    /// Law `i` solved for its own acceleration: q̈_i = Σ coefficient · monomial. The M_ii of these mechanisms are constant.
     pub fn explicit(&self, i: usize) -> Vec<(Vec<Factor>, f64)> {
         let mut whole = self.rest[i].clone();
         for (j, mass) in self.mass[i].iter().enumerate() {
@@ -163,7 +163,7 @@ impl Laws {
     }
 }
 
-/// The solution of rows (matrix, right side), by elimination with pivots.
+/// The solution of a linear system, given as rows of matrix and right side, by elimination with partial pivoting.
 fn solved(mut rows: Vec<Vec<f64>>) -> [f64; COORDINATES] {
     let n = rows.len();
     for k in 0..n {

@@ -1,7 +1,7 @@
 //! Random coupled mechanical systems: each law contains the accelerations of the others.
 //!
 //! In: a family, how far it swings, a seed. Out: names of signals, rows of a driven motion, and the law of every coordinate in the terms
-//! that the program prints. `polynomial` is the algebra, `lagrange` makes laws of energies, `families` draws the mechanisms. Uses
+//! that the program prints. `polynomial` is the algebra, `lagrange` derives laws from energies, `families` draws the mechanisms. Uses
 //! nothing of the compiler.
 
 mod families;
@@ -28,9 +28,9 @@ const NAMES: [&str; INPUTS] = ["F", "G"];
 /// How far the angles go in a record, rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Swing {
-    /// Every angle further than 2.5
+    /// Every angle exceeds 2.5
     Large,
-    /// None as far as 0.6
+    /// No angle reaches 0.6
     Small,
 }
 
@@ -72,7 +72,7 @@ impl Coupled {
         self.inputs
     }
 
-    /// Whether a coordinate is an angle, not a place on a track.
+    /// Whether a coordinate is an angle, not a position on a track.
     pub fn is_angle(&self, coordinate: usize) -> bool {
         let name = self.family.coordinates().get(coordinate);
         name.is_some_and(|n| n.starts_with("th"))
@@ -103,7 +103,7 @@ impl Coupled {
         }
     }
 
-    /// One law a coordinate.
+    /// One law for each coordinate.
     pub fn laws(&self) -> Vec<Law> {
         let law = |coordinate| Law {
             coordinate,
@@ -121,7 +121,7 @@ impl Coupled {
         )
     }
 
-    /// `rows` samples `step` seconds apart under random forces, the first drawn large or small enough for the swing.
+    /// `rows` samples `step` seconds apart under random forces, scaled until the swing is as large or as small as asked.
     pub fn record(&self, swing: Swing, rows: usize, step: f64) -> Vec<(f64, Point)> {
         let mut amplitude = match swing {
             Swing::Large => 2.0,

@@ -1,7 +1,7 @@
 //! Polynomials in coordinates, their sines and cosines, speeds, accelerations and inputs.
 //!
-//! In: factors and coefficients. Out: sums, products, derivatives, values. Two polynomials that are equal by sin² + cos² = 1 are made
-//! the same. Knows no mechanics.
+//! In: factors and coefficients. Out: sums, products, derivatives, values. Polynomials that are equal by sin² + cos² = 1 get the same form.
+//! Knows no mechanics.
 
 use std::collections::BTreeMap;
 
@@ -9,10 +9,10 @@ use std::collections::BTreeMap;
 pub const COORDINATES: usize = 4;
 /// Most inputs of a system.
 pub const INPUTS: usize = 2;
-/// Coefficients that are rounding, in a system whose numbers are near one.
+/// Coefficients up to this size are rounding, in a system whose numbers are near one.
 const ROUNDING: f64 = 1e-13;
 
-/// What a polynomial is made of; the number is the coordinate's, or the input's.
+/// A factor of a monomial, with the number of its coordinate or its input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Factor {
     Acceleration(usize),
@@ -51,7 +51,7 @@ impl Factor {
         }
     }
 
-    /// The derivative by the position of coordinate `k`, as a coefficient and what stands in the factor's place.
+    /// The derivative by the position of coordinate `k`, as a coefficient and the factor that takes its place.
     fn derivative(self, k: usize) -> Option<(f64, Option<Factor>)> {
         match self {
             Factor::Position(i) if i == k => Some((1.0, None)),

@@ -1,4 +1,4 @@
-//! The laws hold on the rows, and are those that textbooks have.
+//! The laws hold on the rows, and agree with laws that were derived by hand.
 
 use super::lagrange::{Mass, Mechanism};
 use super::*;
