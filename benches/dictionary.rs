@@ -1,10 +1,10 @@
-//! Φ against the machine: filling it against plain writing, pricing products against their multiplications.
+//! Compares Φ with the limits of the machine: filling it with plain writing, pricing products with their multiplications.
 //!
-//! `fill` compares like with like: Φ and the plain buffers are fresh memory, each page first touched while it is written, so
-//! both include what the system takes to hand pages out. `touched` is memory written before. With
-//! `MALLOC_MMAP_THRESHOLD_=8589934592 MALLOC_TRIM_THRESHOLD_=8589934592` the allocator hands Φ touched memory too.
+//! `fill` compares like with like: Φ and the plain buffers are fresh memory whose pages are first touched when written, so both include the time in which the
+//! system provides pages. `touched` is memory written before. With `MALLOC_MMAP_THRESHOLD_=8589934592 MALLOC_TRIM_THRESHOLD_=8589934592` the allocator gives
+//! Φ touched memory too.
 //!
-//! A pricing of N columns on M rows multiplies and adds M·N times: elements per second, twice that flop/s.
+//! Pricing N columns on M rows takes M·N multiplications and additions. Criterion shows elements per second; flop/s are twice that.
 
 use std::hint::black_box;
 use std::thread;
@@ -37,7 +37,7 @@ fn signal(i: u16) -> Expr {
     Expr::signal(Signal::new(VarId(i)))
 }
 
-/// Every product of powers 0, 1, 2 of some atoms.
+/// All products of the powers 0, 1, 2 of some atoms.
 fn powers(atoms: &[Expr]) -> Vec<Term> {
     atoms.iter().fold(vec![Term::one()], |terms, atom| {
         let raise = |t: &Term| [0.0, 1.0, 2.0].map(|p| t.mul(&atom.clone().pow(p).into_term().1));
@@ -54,7 +54,7 @@ fn atoms() -> Vec<Expr> {
     atoms
 }
 
-/// One number in every place, on all cores.
+/// Writes one number to every place, on all cores.
 fn write(buffer: &mut [f64], value: f64) {
     let cores = thread::available_parallelism().map_or(1, usize::from);
     let share = buffer.len().div_ceil(cores);

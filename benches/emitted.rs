@@ -1,8 +1,7 @@
-//! One evaluation of the right-hand side of the coupled pendulum by emitted code: Rust and C, with their Jacobians.
+//! One evaluation of the right-hand side of the coupled pendulum by emitted Rust and C, with their Jacobians.
 //!
-//! `emitted/pendulum.rs` is what `sidc export emitted/pendulum.json --to rust` writes (a test compares them); the C is emitted here
-//! and compiled with `cc -O2`. Prints the time of one call each, where every call waits for the one before, as in an integration; then
-//! Criterion's lines for Rust, where calls overlap.
+//! `emitted/pendulum.rs` is the output of `sidc export emitted/pendulum.json --to rust` (a test compares them); the C is emitted here and compiled with `cc
+//! -O2`. Prints the time of one call when every call waits for the one before, as in an integration; then Criterion's lines for Rust, where calls overlap.
 
 use std::error::Error;
 use std::fs;
@@ -31,7 +30,7 @@ fn discovery() -> Result<Discovery, Box<dyn Error>> {
     read.map_err(|d| d.message.into())
 }
 
-/// Nanoseconds of one call, the fastest of some runs of many.
+/// Nanoseconds per call, in the fastest of some runs of many calls.
 fn fastest(calls: usize, mut call: impl FnMut()) -> f64 {
     let time = |_| {
         let start = Instant::now();
@@ -41,7 +40,7 @@ fn fastest(calls: usize, mut call: impl FnMut()) -> f64 {
     (0..RUNS).map(time).fold(f64::INFINITY, f64::min)
 }
 
-/// Calls from another file, so that nothing is inlined; the state moves by what the last call said.
+/// Calls from another file, so that nothing is inlined. The state is changed by the result of the last call.
 const LOOP: &str = r#"
 #include <stdio.h>
 #include <time.h>

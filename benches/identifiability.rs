@@ -1,6 +1,6 @@
-//! What the whole judgement of one equation costs: rank, relations, equivalent supports, excitation, advice, stability, alternatives.
+//! The cost of the whole assessment of one equation: rank, relations, equivalent supports, excitation, advice, stability, alternatives.
 //!
-//! 1,000 terms on 10,000 rows is the size that is promised to take less than two seconds.
+//! 1,000 terms on 10,000 rows is promised to take less than two seconds.
 
 use std::hint::black_box;
 
@@ -15,7 +15,7 @@ use sidc_lang::source::Sources;
 use sidc_lang::term::{Signal, Term, VarId};
 use sidc_system::discovery::{Discovery, Equation, Evidence, FoundTerm, Status};
 
-/// Nine signals that follow each other a little.
+/// Nine weakly correlated signals.
 fn samples(rows: usize) -> Samples {
     let wave = |i: u16, k: usize| {
         let (i, t) = (f64::from(i), k as f64 * 0.01);
@@ -53,7 +53,6 @@ fn whole(c: &mut Criterion) {
         let Some(Some(library)) = program.libraries.first() else {
             continue;
         };
-        // The first thousand of them.
         let terms: Vec<Term> = library.terms().map(|(_, t)| t).take(1000).collect();
         let library = sidc_lang::library::Library::listed(terms.clone());
         let mut samples = samples(rows);

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Noisy data from start to end: this build beside another one, on the same files, in one run.
+"""Identification from noisy data as a whole: two builds compared on the same files in one run.
 
     python3 benches/joint.py OTHER/sidc target/release/sidc          # some two minutes
     python3 benches/joint.py A B --only swings --repeats 3
 
-In:  two programs `sidc`; the cart-pendulum comes from `cargo run --release -p sidc-studies --bin plant`, Lorenz 96 from this file.
+In:  two `sidc` binaries; the cart-pendulum comes from `cargo run --release -p sidc-studies --bin plant`, Lorenz 96 from this file.
 Out: one Markdown table: seconds of processor time and peak memory of each, their ratio, and whether both printed the same equations.
-     Processor time of all threads compares on a busy machine too. Every case is run --repeats times, the least time counts.
+     The processor time of all threads is comparable even on a busy machine. Every case is run --repeats times; the smallest time counts.
 """
 
 import argparse
@@ -26,7 +26,7 @@ LORENZ96 = "system lorenz96\nstate a, b, c, d, e\nda, db, dc, dd, de ~ poly(a, b
 
 
 def cart(folder, force, start, level):
-    """4,000 samples of two positions at 100 Hz, 192 terms an equation; noise in parts of 0.3 m and 1 rad."""
+    """4,000 samples of two positions at 100 Hz, 192 terms per equation; noise relative to 0.3 m and 1 rad."""
     clean = folder / "clean.csv"
     plant = ["cargo", "run", "--quiet", "--release", "-p", "sidc-studies", "--bin", "plant", "--"]
     options = ["--seed", "7", "--force", force, "--rows", "4000", "--start", start, "--columns", "positions"]
@@ -42,7 +42,7 @@ def cart(folder, force, start, level):
 
 
 def lorenz96(folder, samples):
-    """Five states at 100 Hz, noise of 2 % of a spread of 3.6, 21 terms an equation."""
+    """Five states at 100 Hz, noise of 2 % of a spread of 3.6, 21 terms per equation."""
     n, h = 5, 0.01
 
     def rates(x):

@@ -1,19 +1,19 @@
 #!/usr/bin/env python3
-"""Our solvers against their peers from PyPI, on the same numbers, in one run.
+"""Our solvers compared with those on PyPI, on the same numbers, in one run.
 
     python3 benches/peers.py                        # the full table, some ten minutes
     python3 benches/peers.py --sizes 100 --draws 1  # a first look
 
-In:  nothing but the repository. The problems come from `cargo run -p sidc-studies --bin solve_times -- export`: a pendulum on a cart,
-     6,561 terms, ROWS random samples of 15 s without noise, for both of its equations. Peers run in a virtual environment that
+In:  nothing except the repository. The problems come from `cargo run -p sidc-studies --bin solve_times -- export`: a pendulum on a cart,
+     6,561 terms, ROWS random samples from 15 s without noise, for both of its equations. Peers run in a virtual environment that
      the script makes under target/peers, with the versions pinned below.
-Out: one Markdown table a size on standard output, every single run in target/peers/results.json.
+Out: one Markdown table per size on standard output, every single run in target/peers/results.json.
 
-Everybody gets the same: Φ and y from the same file, columns scaled to length one and y to length one before the clock starts
-(for our solvers the clock includes that; PySINDy's defaults get raw columns), as many threads as --threads says, --limit seconds. A run shorter than a second is
-made three times, the shortest counts. Nobody is told how many terms there are. The judgement of an answer is this file's:
+All solvers get the same: Φ and y from the same file, columns and y scaled to length one before the clock starts (for our solvers the clock
+includes that; PySINDy's defaults get raw columns), --threads threads, --limit seconds. A run shorter than a second is repeated three
+times, and the shortest counts. No solver is told the number of terms. Answers are judged in this file:
 
-  exact     the columns with |a_j|‖φ_j‖ above 1e-6 of the largest are the true ones, no more and no less
+  exact     the columns with |a_j|‖φ_j‖ above 1e-6 of the largest are exactly the true ones
   error     the largest relative error of a true coefficient
   1-norm    ‖Da‖₁ over the smallest that any contender reached with a residual below 1e-6
   residual  ‖Φa − y‖/‖y‖
@@ -41,7 +41,7 @@ PINNED = [
 ]
 SUPPORT = 1e-6
 FEASIBLE = 1e-6
-# What a subprocess may need besides solving: imports, reading the numbers, scaling.
+# Time that a subprocess may need besides solving: imports, reading the numbers, scaling.
 GRACE = 20.0
 SHORT, REPEATS = 1.0, 3
 
@@ -50,7 +50,7 @@ SHORT, REPEATS = 1.0, 3
 
 
 def linprog(method):
-    """min 1ᵀ(p + q) s.t. P(p − q) = y, p, q ≥ 0; SciPy's tolerances as they are."""
+    """min 1ᵀ(p + q) s.t. P(p − q) = y, p, q ≥ 0, with SciPy's default tolerances."""
 
     def solve(P, q):
         import numpy as np
@@ -71,7 +71,7 @@ def linprog(method):
 
 
 def cvxpy_clarabel(P, q):
-    """min ‖x‖₁ s.t. P x = q, as one writes it; modelling time counts, as it does for a user."""
+    """min ‖x‖₁ s.t. P x = q, written plainly; modelling time counts, as it does for a user."""
     import cvxpy as cp
     import numpy as np
 
@@ -83,7 +83,7 @@ def cvxpy_clarabel(P, q):
 
 
 def pysindy_defaults(P, q):
-    """STLSQ as PySINDy sets it, threshold 0.1 and ridge 0.05, on raw columns: what a user gets who changes nothing."""
+    """STLSQ with PySINDy's defaults, threshold 0.1 and ridge 0.05, on raw columns: what an unprepared user gets."""
     import pysindy
 
     fit = pysindy.STLSQ()
@@ -92,7 +92,7 @@ def pysindy_defaults(P, q):
 
 
 def pysindy_ladder(P, q):
-    """STLSQ without a ridge over twenty thresholds, 2⁻²⁰ to 2⁻¹: the sparsest that fits to 1e-6, else the best fit."""
+    """STLSQ without a ridge for twenty thresholds, 2⁻²⁰ to 2⁻¹: the sparsest answer that fits to 1e-6, else the best fit."""
     import numpy as np
     import pysindy
 
@@ -112,14 +112,14 @@ def pysindy_ladder(P, q):
 
 
 def sklearn_omp(P, q):
-    """Stops at a residual of 1e-9, as ours does; the squared norm is what `tol` means."""
+    """Stops at a residual of 1e-9, as ours does; `tol` is the squared norm."""
     from sklearn.linear_model import orthogonal_mp
 
     return orthogonal_mp(P, q, tol=1e-18), ""
 
 
 def sklearn_lars(P, q):
-    """Lasso by least angle regression, followed down to a penalty of zero: there the lasso is basis pursuit."""
+    """The Lasso by least angle regression, down to a penalty of zero, where the Lasso is basis pursuit."""
     import numpy as np
     from sklearn.linear_model import lars_path
 
@@ -138,7 +138,7 @@ PEERS = {
 }
 
 
-# Who takes Φ and y in the units of the model.
+# Solvers that take Φ and y in the units of the model.
 RAW = {"PySINDy STLSQ, defaults"}
 
 
@@ -186,7 +186,7 @@ def work(name, folder):
 
 
 def run(command, limit, environment):
-    """The last line of what the command prints, as JSON; a reason if there is none."""
+    """The last line that the command prints, as JSON; the reason if there is none."""
     try:
         done = subprocess.run(
             command, capture_output=True, text=True, timeout=limit + GRACE, env=environment, cwd=ROOT
@@ -202,7 +202,7 @@ def run(command, limit, environment):
 
 
 def judge(answer, phi, y, truth):
-    """Adds exact, error, norm1 and residual to an answer that has coefficients."""
+    """Adds exact, error, norm1 and residual to an answer with coefficients."""
     import numpy as np
 
     found = {int(j): a for j, a in answer.pop("coefficients")}
@@ -244,7 +244,7 @@ def problem(binary, rows, target, seed, contenders, limit, environment):
 
 
 def table(title, runs, ours):
-    """Medians of times, worst of the rest, over the runs of one size."""
+    """Medians of the times, and the worst of the other figures, over the runs of one size."""
     lines = [
         f"\n### {title}\n",
         "| solver | time (s) | ratio | exact | error | 1-norm | residual | says |",
@@ -279,7 +279,7 @@ def table(title, runs, ours):
 
 
 def prepare():
-    """Runs this script again inside target/peers/venv, made on the first run."""
+    """Runs this script again inside target/peers/venv, which is created on the first run."""
     python = HOME / "venv" / "bin" / "python3"
     if pathlib.Path(sys.prefix) == HOME / "venv":
         return

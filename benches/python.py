@@ -1,9 +1,9 @@
-"""What the Python package costs: import, overhead over the program, calls of the right side, and Lorenz beside PySINDy.
+"""The cost of the Python package: import, overhead over the program, calls of the right side, and Lorenz compared with PySINDy.
 
     cargo build --release -p sidc-cli -p sidc-python && pip install './python[test]' && python benches/python.py
 
-In: the program at target/release/sidc. Out: lines of figures; each is the least of several, and times of processors where two programs are
-compared, because the machine may be shared.
+In: the program at target/release/sidc. Out: lines of figures; each is the smallest of several. Programs are compared by processor time,
+because the machine may be shared.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def lorenz(rows: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def least(work: Callable[[], object], who: int = resource.RUSAGE_SELF, times: int = 5) -> float:
-    """Seconds of processors."""
+    """Seconds of processor time, the smallest of several runs."""
 
     def used() -> float:
         usage = resource.getrusage(who)
@@ -50,7 +50,7 @@ def least(work: Callable[[], object], who: int = resource.RUSAGE_SELF, times: in
 
 
 def imported() -> float:
-    """Milliseconds of `import sidc`, the interpreter's own start left out."""
+    """Milliseconds of `import sidc`, without the start of the interpreter."""
     command = [sys.executable, "-X", "importtime", "-c", "import sidc"]
     lines = (subprocess.run(command, capture_output=True, text=True, check=True).stderr for _ in range(5))
     totals = [line.split("|")[1] for text in lines for line in text.splitlines() if line.endswith("| sidc")]
@@ -58,7 +58,7 @@ def imported() -> float:
 
 
 def overhead(rows: int = 100_000) -> tuple[float, float]:
-    """The module and the program on the same rows."""
+    """Processor seconds of the module and of the program on the same rows."""
     t, states = lorenz(rows)
     table = dict(zip("txyz", (t, *states.T.copy())))
     model = sidc.Model(MODEL)
@@ -72,7 +72,7 @@ def overhead(rows: int = 100_000) -> tuple[float, float]:
 
 
 def beside_pysindy(noise: float, rows: int = 10_000) -> tuple[float, float]:
-    """Both on the same rows; the noise is a part of each signal's spread."""
+    """Processor seconds of both on the same rows; the noise is relative to each signal's spread."""
     import pysindy as ps
 
     t, states = lorenz(rows)
@@ -83,7 +83,7 @@ def beside_pysindy(noise: float, rows: int = 10_000) -> tuple[float, float]:
 
 
 def calls(count: int = 20_000) -> tuple[float, float]:
-    """Microseconds of a call of the right side at one point: compiled, and exported Python."""
+    """Microseconds per call of the right side at one point: compiled, and as exported Python."""
     t, states = lorenz(1000)
     result = sidc.Identifier("poly(x, y, z; 2)").fit(states, t=t).result_
     code: dict[str, Callable[..., object]] = {}

@@ -1,4 +1,4 @@
-//! What a simulation costs: a million steps of a controller, ten seconds with error control.
+//! The cost of simulation: a million fixed steps, and ten seconds with error control.
 
 #![allow(clippy::unwrap_used)]
 

@@ -1,10 +1,11 @@
 //! Time of the solvers against rows M and columns N, on the pendulum on a cart without noise.
 //!
-//! The homotopy prices all columns once a round, 2MN operations, and walks in between: 4Mw a step on a working set of w columns. Rounds and
-//! steps depend on the terms of the answer, hardly on M and N. Clarabel factorises a sparse system with M rows full of entries: about M²|W| an
-//! iteration with a large factor in front, W all N columns, or the working set where Φ is not stored; its 10 to 20 iterations hardly depend on either.
+//! The homotopy prices all columns once per round, with 2MN operations, and takes steps in between, with 4Mw operations each on a working set of w columns.
+//! Rounds and steps depend on the terms of the answer and hardly on M and N. Clarabel factorises a sparse system with M dense rows: about M²|W| operations
+//! per iteration with a large constant factor, where W has all N columns, or the working set if Φ is not stored. It needs 10 to 20 iterations regardless of M
+//! and N.
 //!
-//! The default solver is timed on all sizes, the others on the small ones. Peers are in `peers.py`.
+//! The default solver is timed on all sizes, the others on the small ones. `peers.py` times other packages.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -29,7 +30,7 @@ fn solve(c: &mut Criterion) {
     }
 }
 
-/// The first so many solvers on one regression, ten runs each.
+/// Times the first `solvers` solvers on one regression, ten runs each.
 fn time(c: &mut Criterion, solvers: usize, rows: usize, caps: [usize; 8]) {
     let Regression {
         dictionary, target, ..

@@ -1,6 +1,6 @@
-//! The tape against `Expr::eval`: every monomial of three signals up to degree 3 and its gradient, at 2,000 points.
+//! The tape compared with `Expr::eval`: every monomial of three signals up to degree 3 and its gradient, at 2,000 points.
 //!
-//! Prints the time of one value for either and their ratio, then Criterion's lines; an element is one output at one point.
+//! Prints the time per value for both and their ratio, then Criterion's lines; an element is one output at one point.
 
 use std::hint::black_box;
 use std::time::Instant;

@@ -1,7 +1,7 @@
-//! The joint estimate of trajectory and laws: a whole search, against the number of samples and of candidate terms.
+//! The joint estimate of trajectory and laws: a whole search, against the numbers of samples and of candidate terms.
 //!
-//! Lorenz with 1 % noise, three laws: `poly(x, y, z; 2)` has 30 columns, `poly(x, y, z; 5)` 168. An element is one sample. Records of
-//! more than 10,000 samples are searched on stretches first, so time a sample falls there, to that of the last fits.
+//! Lorenz with 1 % noise, three laws: `poly(x, y, z; 2)` has 30 columns, `poly(x, y, z; 5)` has 168. An element is one sample. Records of more than 10,000
+//! samples are first searched in segments, so the time per sample falls there towards that of the last fits.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -17,7 +17,7 @@ use sidc_progress::Unwatched;
 const STEP: f64 = 0.01;
 const NOISE: f64 = 0.08;
 
-/// Readings of x, y and z as CSV; noise is a sum of uniform numbers, always the same.
+/// Readings of x, y and z as CSV; the noise is a sum of uniform numbers from a fixed seed.
 fn readings(samples: usize) -> String {
     let mut seed = 1u64;
     let mut uniform = || {

@@ -1,10 +1,10 @@
-//! Two records of a tank that drains, the second held out: how well the equation carries over.
+//! Two records of a draining tank, the second held out: how well does the equation generalise?
 //! `cargo run --release --example held_out`
 
 use sidc::{Data, Model, Options};
 
 fn record(start: f64) -> [(&'static str, Vec<f64>); 2] {
-    // Torricelli: dh = -0.2 sqrt(h), so sqrt(h) falls on a line.
+    // Torricelli: dh = -0.2 sqrt(h), so sqrt(h) decreases linearly.
     let t: Vec<f64> = (0..200).map(|k| 0.05 * f64::from(k)).collect();
     let h = t.iter().map(|t| (f64::sqrt(start) - 0.1 * t).powi(2));
     [("t", t.clone()), ("h", h.collect())]

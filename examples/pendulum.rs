@@ -1,4 +1,4 @@
-//! A damped pendulum from an angle with noise: equations, doubts, code. `cargo run --release --example pendulum`
+//! A damped pendulum from a noisy angle: equations, doubts, code. `cargo run --release --example pendulum`
 
 use sidc::{Data, Model, Options, Target};
 

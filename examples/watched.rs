@@ -1,4 +1,4 @@
-//! Work that is watched, ended after ten seconds at the latest, kept as JSON and read back.
+//! A search with an observer that ends it after ten seconds; its result as JSON, read back.
 //! `cargo run --release --example watched`
 
 use std::ops::ControlFlow;

@@ -1,14 +1,14 @@
-//! The time that one kind of work may take, wherever it is done in between other work.
+//! A time limit for one kind of work that is interleaved with other work.
 //!
-//! In: whether the work goes on. Out: whether its time is over. Knows no work.
+//! Given whether the limited work is running, tells whether its time is up. Does not know what the work is.
 
 use std::cell::Cell;
 use std::time::{Duration, Instant};
 
 use sidc_progress::Stop;
 
-/// Adds up the time between two calls during the work: for an [`Observer`](crate::Observer) that gives proofs of sparsest equations so
-/// much time and no more.
+/// Counts the time between consecutive calls while the limited work runs. An [`Observer`](crate::Observer) uses it to limit the time spent on proofs of
+/// sparsest equations.
 pub struct Budget {
     limit: Option<Duration>,
     taken: Cell<Duration>,
@@ -16,7 +16,7 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// Without a limit it never ends.
+    /// `None` means no limit.
     pub fn of(limit: Option<Duration>) -> Budget {
         Budget {
             limit,
@@ -25,7 +25,7 @@ impl Budget {
         }
     }
 
-    /// Told whether the work goes on, and which part of the time it may have taken by now; says once it is to end.
+    /// Counts the time since the last call if `works` is true. Returns a stop once the fraction `part` of the limit is used up.
     pub fn spent(&self, works: bool, part: f64) -> Option<Stop> {
         let limit = self.limit?;
         let last = self.since.replace(works.then(Instant::now));

@@ -10,11 +10,10 @@ use sidc_system::result::FileEntry;
 use crate::error::{Error, ErrorKind};
 use crate::pipeline::Hashed;
 
-/// Records of one system: each is a set of arrays with names, as the columns of a file would be. Lengths, steps and starts may
-/// differ between records.
+/// Records of one system. Each record is a set of named arrays, like the columns of a file; lengths, steps and start times may differ.
 ///
-/// Names are those of the model's signals, or the headers that its data block reads; `t` is time. NaN marks a missing value; an
-/// infinite one is refused where a model reads its array.
+/// The names are those of the model's signals, or the headers named in its data block; `t` is time. NaN marks a missing value. An infinite value is an error
+/// if the model reads its array.
 ///
 /// ```
 /// use sidc::Data;
@@ -33,7 +32,7 @@ pub struct Data {
     pub(crate) tables: Vec<Table>,
     pub(crate) params: Vec<(String, Vec<f64>)>,
     pub(crate) notes: Vec<String>,
-    /// Those of the tables that were read from files.
+    /// The files that tables were read from.
     pub(crate) files: Vec<FileEntry>,
 }
 
@@ -42,10 +41,10 @@ impl Data {
         Data::default()
     }
 
-    /// Adds a record called `run 1`, `run 2`, …; `columns` are pairs of a name and M values.
+    /// Adds a record called `run 1`, `run 2`, …; `columns` are pairs of a name and an array of M values.
     ///
     /// # Errors
-    /// [`ErrorKind::Data`]: no values, arrays of different lengths, a name twice.
+    /// [`ErrorKind::Data`]: no values, arrays of different lengths, a repeated name.
     pub fn run<N, V>(self, columns: impl IntoIterator<Item = (N, V)>) -> Result<Data, Error>
     where
         N: Into<String>,
@@ -55,7 +54,7 @@ impl Data {
         self.named_run(&name, columns)
     }
 
-    /// The same for a record with a name of its own, by which messages and results call it.
+    /// Like [`Data::run`], with a name for the record that messages and results use.
     ///
     /// # Errors
     /// As [`Data::run`].
@@ -76,8 +75,8 @@ impl Data {
         Ok(self)
     }
 
-    /// Adds a record from a file, as `sidc identify` reads it: a table of text with names in its first line, arrays of NumPy (`.npz`) or
-    /// MATLAB (`.mat`), or with the feature `parquet` a Parquet file. `name` is what messages and results call it.
+    /// Adds a record from a file, read as `sidc identify` reads it: a text table with names in its first line, NumPy arrays (`.npz`), MATLAB arrays (`.mat`),
+    /// or, with the feature `parquet`, a Parquet file. Messages and results call it `name`.
     ///
     /// ```
     /// let data = sidc::Data::new().file("decay.csv", "t,x\n0,2\n0.1,1.9\n".as_bytes())?;
@@ -103,19 +102,19 @@ impl Data {
         Ok(self)
     }
 
-    /// What of the files is not in their tables: arrays of another length, objects, lists.
+    /// What the files contain that the tables do not: arrays of another length, objects, lists.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
 
-    /// Sets a parameter that the model declares: one value for all records, or one for each in their order.
+    /// Sets a parameter that the model declares: one value for all records, or one per record in their order.
     pub fn param(mut self, name: &str, values: impl Into<Vec<f64>>) -> Data {
         self.params.push((name.into(), values.into()));
         self
     }
 
-    /// A first model of the first record: states with their orders, inputs, parameters, a library to start from, with comments that
-    /// say what was guessed from names and shapes. Nothing is identified.
+    /// A first model of the first record: states with their orders, inputs, parameters and a library to start from. Comments say what was guessed from names
+    /// and shapes. Nothing is identified.
     ///
     /// ```
     /// let t: Vec<f64> = (0..60).map(|k| 0.1 * f64::from(k)).collect();
@@ -127,7 +126,7 @@ impl Data {
     /// ```
     ///
     /// # Errors
-    /// [`ErrorKind::Data`]: no record, or no array that moves.
+    /// [`ErrorKind::Data`]: no record, or no named array that varies.
     pub fn draft(&self) -> Result<String, Error> {
         let guessed = |t| sidc_data::draft::draft(t, &ChosenRoles::default()).ok();
         let text = self.tables.first().and_then(guessed).ok_or_else(|| {
@@ -140,7 +139,7 @@ impl Data {
             .map_err(|found| Error::of(ErrorKind::Internal, &found, &sources))
     }
 
-    /// The files of the records, in their order; none if a record is of arrays.
+    /// The files of the records, in order; empty unless every record was read from a file.
     pub(crate) fn files(&self) -> &[FileEntry] {
         match self.files.len() == self.tables.len() {
             true => &self.files,
@@ -148,7 +147,7 @@ impl Data {
         }
     }
 
-    /// How many records there are.
+    /// The number of records.
     pub fn runs(&self) -> usize {
         self.tables.len()
     }

@@ -1,4 +1,4 @@
-//! What was found, as a program uses it.
+//! The result of an identification.
 
 use std::fmt;
 
@@ -17,8 +17,8 @@ use crate::target::Target;
 
 /// The equations of a system with their evidence.
 ///
-/// By serde, and by [`Discovery::to_json`], it is the result document (docs/command-line.md, the result document), the same that `sidc identify -o` writes and
-/// that `sidc simulate`, `export` and `report` read. It displays as the equations, one a line.
+/// Serde and [`Discovery::to_json`] write it as the result document (docs/command-line.md, the result document) that `sidc identify -o` writes and `sidc
+/// simulate`, `export` and `report` read. `Display` prints the equations, one a line.
 #[derive(Clone, Debug)]
 pub struct Discovery {
     pub(crate) opened: Opened,
@@ -43,7 +43,7 @@ impl Discovery {
     /// Reads a result document.
     ///
     /// # Errors
-    /// [`ErrorKind::Document`]: no result of this program, a newer version, terms that do not parse.
+    /// [`ErrorKind::Document`]: not a result of this program, a newer version, or terms that do not parse.
     pub fn from_json(text: &str) -> Result<Discovery, Error> {
         Discovery::new(result::open("result", text))
     }
@@ -51,18 +51,18 @@ impl Discovery {
     /// The result document as text.
     ///
     /// # Errors
-    /// [`ErrorKind::Internal`], which would be a fault of this program.
+    /// [`ErrorKind::Internal`]: a bug in this program.
     pub fn to_json(&self) -> Result<String, Error> {
         result::text(&self.opened.document)
             .map_err(|e| Error::new(ErrorKind::Internal, "internal", e))
     }
 
-    /// The equations found and those that the model states, in the model's order: target = Σ coefficient · term.
+    /// The equations found and those that the model states, in the model's order. Each is target = Σ coefficient · term.
     pub fn equations(&self) -> &[EquationEntry] {
         &self.opened.document.equations
     }
 
-    /// The equations that were asked for and not found, each with its reasons.
+    /// The equations that were asked for but not found, with the reasons.
     pub fn failed(&self) -> &[FailedEntry] {
         &self.opened.document.failed
     }
@@ -83,24 +83,23 @@ impl Discovery {
         &self.opened.document.warnings
     }
 
-    /// How the equations run on the data used and on those held out; `None` if nothing was held out.
+    /// Free runs of the equations on the data used and on the data held out; `None` if nothing was held out.
     pub fn validation(&self) -> Option<&Validation> {
         self.opened.document.validation.as_ref()
     }
 
-    /// Whether it is the law, how far ahead it predicts, whether it runs freely; `None` in documents of earlier programs.
+    /// Whether the equations are the law, how far ahead they predict, and whether they run freely. `None` in documents of earlier versions.
     pub fn verdict(&self) -> Option<&Verdict> {
         self.opened.document.verdict.as_ref()
     }
 
-    /// Whether predictions on data held out have the errors asked for by [`Options::good`](crate::Options::good); `None` if nothing
-    /// was asked.
+    /// Whether prediction errors on the held-out data stay within the limits set by [`Options::good`](crate::Options::good); `None` if no limit was set.
     pub fn is_good(&self) -> Option<bool> {
         self.verdict()?.prediction.good
     }
 
-    /// The answer as the program prints it: equations to their precision, the three answers, the foremost reasons with what to do.
-    /// Documents of earlier programs have the equations alone.
+    /// The answer as the program prints it: equations rounded to their precision, the verdict, the main reasons and what to do about them. Documents of
+    /// earlier versions give only the equations.
     pub fn answer(&self) -> String {
         match self.verdict() {
             Some(verdict) => emit::answer(&self.opened.discovery, verdict),
@@ -108,11 +107,11 @@ impl Discovery {
         }
     }
 
-    /// The equations in another language, with their Jacobians where the language is one of code.
+    /// The equations in another language, with their Jacobians if it is a programming language.
     ///
     /// # Errors
-    /// [`ErrorKind::Export`]: which equation the target cannot express, and why.
-    /// A target whose files are binary: [`export_bytes`](Discovery::export_bytes) gives them.
+    /// [`ErrorKind::Export`]: an equation that the target cannot express, or a target with binary files, for which use
+    /// [`export_bytes`](Discovery::export_bytes).
     pub fn export(&self, target: Target) -> Result<String, Error> {
         self.written(target)?.into_text().ok_or_else(|| {
             let name = target.name();
@@ -121,10 +120,10 @@ impl Discovery {
         })
     }
 
-    /// The same as the bytes of a file: texts in UTF-8, and the targets whose files are binary.
+    /// Like [`Discovery::export`], as the bytes of a file; also for targets with binary files. Text is in UTF-8.
     ///
     /// # Errors
-    /// [`ErrorKind::Export`]: which equation the target cannot express, and why.
+    /// [`ErrorKind::Export`]: an equation that the target cannot express.
     pub fn export_bytes(&self, target: Target) -> Result<Vec<u8>, Error> {
         self.written(target).map(Written::into_bytes)
     }

@@ -1,4 +1,4 @@
-//! The one error of the library: every fault at once, each with its place, its cause and a way out.
+//! The only error type of the library. It reports every fault at once, each with its place, its cause and a remedy.
 
 use std::fmt;
 
@@ -12,19 +12,19 @@ use sidc_lang::source::Sources;
 pub enum ErrorKind {
     /// The model's text.
     Model,
-    /// The arrays, or what the model reads of them; a term without a value on them; constraints that they contradict.
+    /// The arrays, or what the model reads from them; a term without a value on them; constraints that they contradict.
     Data,
-    /// An option that names what is not there.
+    /// An option that names something unknown.
     Options,
     /// The result document.
     Document,
-    /// What a target cannot express.
+    /// A result that a target cannot express.
     Export,
-    /// A fault of this program.
+    /// A bug in this program.
     Internal,
 }
 
-/// Why there is no answer.
+/// Why there is no result.
 ///
 /// ```
 /// use sidc::{ErrorKind, Model};

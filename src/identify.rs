@@ -13,20 +13,18 @@ use crate::pipeline::{self, ModelSource, NoiseFault, Program};
 use crate::reduced::Reduced;
 
 impl Model {
-    /// Finds the equations. Noisy records are estimated together with their trajectory, clean ones by regression with a proof;
-    /// [`Options::method`] decides otherwise.
+    /// Finds the equations. Unless [`Options::method`] says otherwise, equations of noisy records are estimated together with the trajectory, and those of
+    /// clean records by regression, with a certificate.
     ///
-    /// An equation with a doubt is an answer too: see [`Discovery::passes`].
+    /// An equation with doubts is returned too: see [`Discovery::passes`].
     ///
     /// # Errors
-    /// [`ErrorKind::Data`]: arrays that the model cannot read, all faults at once. [`ErrorKind::Options`]: a name that the
-    /// model does not have.
+    /// [`ErrorKind::Data`]: arrays that the model cannot read, all faults at once. [`ErrorKind::Options`]: a name that is not in the model.
     pub fn identify(&self, data: &Data, options: &Options) -> Result<Discovery, Error> {
         self.identify_watched(data, options, &mut Unwatched)
     }
 
-    /// The same while an observer hears what is done and may end it. The equations found by then stand, with a doubt; the others
-    /// are listed as failed.
+    /// Like [`Model::identify`], with an observer that may end the work. The equations found by then are kept, with a doubt; the others are listed as failed.
     ///
     /// # Errors
     /// As [`Model::identify`].
@@ -39,7 +37,7 @@ impl Model {
         self.searched(data, options, None, observer)
     }
 
-    /// The same; coefficients are those of all rows where there are more, which were reduced.
+    /// Like [`Model::identify_watched`]. If `reduced` rows are given, the coefficients are those of all rows.
     pub(crate) fn searched(
         &self,
         data: &Data,
@@ -100,7 +98,7 @@ impl Model {
         Discovery::from_document(document)
     }
 
-    /// The files of the model and those of the data; none if the data are no files.
+    /// The files of the model and of the data; empty if the data do not come from files.
     fn files(&self, data: &Data) -> Vec<FileEntry> {
         match data.files() {
             [] => Vec::new(),
@@ -112,7 +110,7 @@ impl Model {
         }
     }
 
-    /// The program, with the noise that the options give in place of what the model declares.
+    /// The program, with noise given in the options in place of the noise that the model declares.
     pub(crate) fn with_noise(&self, noise: &[(String, SensorNoise)]) -> Result<Program, Error> {
         let mut program = self.program.clone();
         pipeline::set_noise(&mut program, noise).map_err(|fault| {

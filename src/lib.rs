@@ -17,11 +17,11 @@
 //! # Ok::<(), sidc::Error>(())
 //! ```
 //!
-//! [`Model`] is what you know, [`Data`] what you measured, [`Options`] how to look, [`Discovery`] what was found: its equations,
-//! whether they pass, free runs along other data, code in several languages, and the result document by serde. [`Error`] is
-//! the one error type. An [`Observer`] hears what is being done and may end it. docs/stability.md says what of this stays.
+//! [`Model`] is what you know, [`Data`] what you measured, [`Options`] how to search, and [`Discovery`] what was found: the equations, whether they pass,
+//! free runs along other data, code in several languages, and the result document through serde. [`Error`] is the only error type. An [`Observer`] follows
+//! the work and may end it. docs/stability.md says which parts of this interface are stable.
 //!
-//! [`pipeline`] holds the stages one by one, for the program and for studies; it may change with every version.
+//! [`pipeline`] holds the single stages, for the command line and for studies; it may change with every version.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 

@@ -1,4 +1,4 @@
-//! What is known of a system, from a model's text.
+//! What is known of a system, from the text of a model.
 
 use sidc_lang::diagnostic::{Diagnostic, Severity};
 use sidc_lang::includes;
@@ -11,7 +11,7 @@ use sidc_lang::term::{FUNCTIONS, Language, SignalNames};
 use crate::error::{Error, ErrorKind};
 use crate::pipeline::{self, Program};
 
-/// A checked model: variables, equations asked for, libraries of candidate terms.
+/// A checked model: variables, equations to find, libraries of candidate terms.
 ///
 /// ```
 /// use sidc::Model;
@@ -24,23 +24,22 @@ use crate::pipeline::{self, Program};
 #[derive(Clone, Debug)]
 pub struct Model {
     pub(crate) name: String,
-    /// Its text, and those of the files that it includes.
+    /// Its text and those of the files that it includes.
     pub(crate) sources: Sources,
     pub(crate) program: Program,
     warnings: Vec<Diagnostic>,
 }
 
 impl Model {
-    /// Parses and checks a model, docs/language.md. Libraries are laid out, not evaluated: time and memory grow with the
-    /// lists that they are products of.
+    /// Parses and checks a model (docs/language.md). Libraries are not evaluated: time and memory grow with the lists in a product, not with the product.
     ///
     /// # Errors
-    /// [`ErrorKind::Model`], every fault of the text at once.
+    /// [`ErrorKind::Model`], with every fault of the text.
     pub fn parse(text: &str) -> Result<Model, Error> {
         Model::named("model.sid", text)
     }
 
-    /// The same; `name` stands for the text in messages and in the result document.
+    /// Like [`Model::parse`]; messages and the result document call the text `name`.
     ///
     /// # Errors
     /// As [`Model::parse`].
@@ -48,7 +47,7 @@ impl Model {
         Model::compiled(name, text, None)
     }
 
-    /// The same, of a model that includes others. `read` gives the text of a file by its path, which leads from the folder in `name`.
+    /// Like [`Model::named`], for a model that includes others. `read` gives the text of a file by its path, relative to the folder of `name`.
     ///
     /// ```
     /// use sidc::Model;
@@ -63,7 +62,7 @@ impl Model {
     /// ```
     ///
     /// # Errors
-    /// As [`Model::parse`]; a file that `read` gives no text of.
+    /// As [`Model::parse`]; a file that `read` cannot give.
     pub fn with_files(
         name: &str,
         text: &str,
@@ -97,13 +96,13 @@ impl Model {
         targets.collect()
     }
 
-    /// How many terms are candidates for an equation; `None` if nothing is looked for there.
+    /// The number of candidate terms of an equation; `None` if that equation is not searched for.
     pub fn candidates(&self, target: &str) -> Option<usize> {
         self.program.library(target).map(|library| library.len())
     }
 
-    /// The terms that are candidates for an equation, in the order of its library; `None` if nothing is looked for there. A library
-    /// may have millions of them: see [`Model::candidates`].
+    /// The candidate terms of an equation, in the order of its library; `None` if that equation is not searched for. There may be millions: see
+    /// [`Model::candidates`].
     ///
     /// ```
     /// let model = sidc::Model::parse("state x\ndx ~ poly(x; 2)\n")?;
@@ -116,8 +115,8 @@ impl Model {
         Some(terms.map(|(_, term)| Language(&self.program.model).term(&term)))
     }
 
-    /// The model with other libraries: those of the targets given list these terms, as they are printed. Known parts stay; equations that
-    /// share the statement of a target list all of theirs.
+    /// The model with the libraries of the given targets replaced by these terms, spelled as they are printed. Known parts are kept. If the statement of a
+    /// target declares several equations, each gets a statement of its own with all terms listed.
     ///
     /// ```
     /// let model = sidc::Model::parse("state x, y\ndx, dy ~ poly(x, y; 3)\n")?;
@@ -128,7 +127,7 @@ impl Model {
     /// ```
     ///
     /// # Errors
-    /// [`ErrorKind::Model`]: a term that is none, or no term; [`ErrorKind::Options`]: a target for which nothing is looked for.
+    /// [`ErrorKind::Model`]: a text that is not a term, or no terms. [`ErrorKind::Options`]: a target that is not searched for.
     pub fn with_terms<T: AsRef<str>>(&self, libraries: &[(&str, Vec<T>)]) -> Result<Model, Error> {
         if self.program.includes_files {
             return Model::named(&self.name, self.text())?.with_terms(libraries);
@@ -153,7 +152,7 @@ impl Model {
         Model::named(&self.name, &text)
     }
 
-    /// The statement of one equation with its terms listed: those given, or all. So the members of a family stand alone.
+    /// The statement of one equation with its terms listed: the given ones, or else all. Each equation of a family gets its own statement.
     fn listed<T: AsRef<str>>(&self, equation: &Equation, libraries: &[(&str, Vec<T>)]) -> String {
         let model = &self.program.model;
         let name = model.name(equation.target);
@@ -178,7 +177,7 @@ impl Model {
         &self.program.text
     }
 
-    /// The words that libraries are written with, beside names of signals: functions and generators.
+    /// The names of functions and generators that a library may use.
     pub fn vocabulary() -> Vec<&'static str> {
         let functions = FUNCTIONS.iter().map(|f| f.name);
         functions
@@ -186,7 +185,7 @@ impl Model {
             .collect()
     }
 
-    /// The warnings about the model, as the command line prints them; empty if there are none.
+    /// The warnings about the model, as the command line prints them.
     pub fn warnings(&self) -> String {
         let mut found = self.warnings.clone();
         found.retain(|d| d.severity == Severity::Warning);

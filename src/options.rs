@@ -1,4 +1,4 @@
-//! How to look for equations.
+//! How to search for equations.
 
 use sidc_data::{HoldOut, HoldOutRange, Window};
 use sidc_discover::{METHODS, Method};
@@ -9,7 +9,7 @@ use sidc_system::predict::{ErrorLimit, PredictionRequest};
 use crate::error::{Error, ErrorKind};
 use crate::pipeline::BUDGET;
 
-/// How to look for equations; the default suits most data. Each setter returns the options with one thing changed.
+/// How to search for equations; the default suits most data. Each setter returns the options with one change.
 ///
 /// ```
 /// use sidc::{Method, Options, HoldOutRange};
@@ -33,59 +33,59 @@ pub struct Options {
 }
 
 impl Options {
-    /// Standard deviation of a signal's measurement, in the model's units; holds over what the model declares.
+    /// Standard deviation of a signal's measurement, in the model's unit. It overrides what the model declares.
     pub fn noise(mut self, signal: &str, deviation: f64) -> Options {
         self.noise
             .push((signal.into(), SensorNoise::constant(deviation)));
         self
     }
 
-    /// The same for noise that grows with the signal: of standard deviation √(floor² + (share · value)²).
+    /// Like [`Options::noise`], for noise that grows with the signal: its standard deviation is √(floor² + (share · value)²).
     pub fn growing_noise(mut self, signal: &str, floor: f64, share: f64) -> Options {
         self.noise
             .push((signal.into(), SensorNoise { floor, share }));
         self
     }
 
-    /// Finds no equations from this part of every record, and runs them there. May be called several times.
+    /// Holds out this part of every record: equations are not found from it, but run on it. May be called several times.
     pub fn hold_out(mut self, stretch: HoldOutRange) -> Options {
         self.held_out.stretches.push(stretch);
         self
     }
 
-    /// Finds no equations from the record at this place, counted from 0, and runs them there.
+    /// Holds out the record at this place, counted from 0.
     pub fn hold_out_run(mut self, place: usize) -> Options {
         self.held_out.files.push(place);
         self
     }
 
-    /// Uses only rows with from ≤ t ≤ to; an absent end is open.
+    /// Uses only rows with from ≤ t ≤ to; `None` means no bound.
     pub fn window(mut self, from: Option<f64>, to: Option<f64>) -> Options {
         self.window = (from, to);
         self
     }
 
-    /// How far ahead predictions are compared with the data, in seconds, in discrete time in samples. Default: what suits the data.
+    /// How far ahead predictions are compared with the data: in seconds, or in samples in discrete time. By default the data decide.
     pub fn horizon(mut self, ahead: f64) -> Options {
         self.prediction.horizon = Some(ahead);
         self
     }
 
-    /// The error, as a part of each signal's spread, that predictions on data not used are to stay within in 90 % of the starts: see
+    /// The error, as a fraction of each signal's spread, within which 90 % of the predictions on unused data must stay: see
     /// [`Prediction::good`](crate::Prediction). If nothing is held out, the last quarter of every record is.
     pub fn good(mut self, part: f64) -> Options {
         self.prediction.good.push(ErrorLimit::Share(part));
         self
     }
 
-    /// The same for one signal, in its unit.
+    /// Like [`Options::good`], for one signal in its unit.
     pub fn good_signal(mut self, signal: &str, error: f64) -> Options {
         let limit = ErrorLimit::Signal(signal.into(), error);
         self.prediction.good.push(limit);
         self
     }
 
-    /// What is held out: as asked, or the last quarter where predictions are to be good and nothing was asked.
+    /// What is held out: as requested, or the last quarter of every record if only limits of prediction errors were set.
     pub(crate) fn holds_out(&self) -> HoldOut {
         let mut held_out = self.held_out.clone();
         if held_out.is_empty() && !self.prediction.good.is_empty() {
@@ -94,13 +94,13 @@ impl Options {
         held_out
     }
 
-    /// What equations are found from; [`Method::Auto`] leaves that to the program.
+    /// How equations are found; [`Method::Auto`] leaves that to the program.
     pub fn method(mut self, method: Method) -> Options {
         self.search.method = method;
         self
     }
 
-    /// The same by the name that `sidc identify --method` takes.
+    /// Like [`Options::method`], with a name that `sidc identify --method` takes.
     ///
     /// # Errors
     /// [`ErrorKind::Options`]: no method of this name.
@@ -127,7 +127,7 @@ impl Options {
         Ok(self)
     }
 
-    /// Uses so many random rows, drawn by `seed`; the others test the answer.
+    /// Uses this many random rows, drawn with `seed`; the others test the result.
     pub fn samples(mut self, rows: usize, seed: u64) -> Options {
         self.search.samples = Some(rows);
         self.seed(seed)
@@ -139,32 +139,32 @@ impl Options {
         self
     }
 
-    /// Most bytes that Φ of one equation may take. Default: 4 GB.
+    /// Largest number of bytes that Φ of one equation may take. Default: 4 GB.
     pub fn memory(mut self, bytes: u64) -> Options {
         self.search.memory = bytes;
         self
     }
 
-    /// Gives readings more than five standard deviations from the trajectory no weight.
+    /// Rejects readings more than five standard deviations from the trajectory.
     pub fn robust(mut self) -> Options {
         self.search.robust = true;
         self
     }
 
-    /// Adds to each equation the answers for larger tolerances, from the first term on.
+    /// Adds the solution path to each equation: the answers for larger tolerances, from the first term on.
     pub fn path(mut self) -> Options {
         self.search.path = true;
         self
     }
 
-    /// Looks for the sparsest equation that fits within ε and proves that it is, where an equation is found from rows alone. The
-    /// observer hears [`Stage::Proving`](crate::Stage) meanwhile; ending it then ends this alone, and the bound is what is known.
+    /// Searches for the sparsest equation that fits within ε and proves it sparsest, for equations found by regression. The observer hears
+    /// [`Stage::Proving`](crate::Stage) meanwhile; a stop then ends only this search, and the bound reached is kept.
     pub fn prove_sparsest(mut self) -> Options {
         self.search.sparsest = true;
         self
     }
 
-    /// Checks every equation and its proof once more, by separate code in 106 bits.
+    /// Checks every equation and its certificate again, by independent code in 106-bit arithmetic.
     pub fn verify(mut self) -> Options {
         self.verify = true;
         self

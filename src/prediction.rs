@@ -1,4 +1,4 @@
-//! Predictions with what was found, along other data.
+//! Predictions with the equations found, along other data.
 
 use sidc_data::Dataset;
 use sidc_progress::Observer;
@@ -9,13 +9,13 @@ use crate::discovery::Discovery;
 use crate::error::Error;
 
 impl Discovery {
-    /// How well the equations predict `horizon` seconds (samples in discrete time) ahead along these data, from states fitted to the
-    /// readings before each start; without a horizon the data decide. The linear model beside it is fitted to the same data.
+    /// How well the equations predict these data `horizon` seconds (samples in discrete time) ahead, from states fitted to the readings before each start;
+    /// without a horizon the data decide. The linear model for comparison is fitted to the same data.
     ///
-    /// What cannot be predicted is no error: see [`Prediction::unavailable`](Prediction).
+    /// Equations that cannot predict are not an error: see [`Prediction::unavailable`](Prediction).
     ///
     /// # Errors
-    /// [`ErrorKind::Data`](crate::ErrorKind): arrays that lack what a run needs.
+    /// [`ErrorKind::Data`](crate::ErrorKind): arrays missing that a run needs.
     pub fn predict(
         &self,
         data: &Data,

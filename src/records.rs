@@ -1,4 +1,4 @@
-//! Records that equations run along, read as the model read its own.
+//! Records that equations run along, read as the model read its own data.
 
 use sidc_data as data;
 use sidc_data::Dataset;
@@ -13,12 +13,12 @@ use crate::data::Data;
 use crate::discovery::Discovery;
 use crate::error::{Error, ErrorKind};
 
-/// Equations with the records that they run along.
+/// Equations and the records that they run along.
 pub(crate) struct Records<'a> {
     found: &'a FoundSystem,
     pub model: Model,
     pub dataset: Dataset,
-    /// Coefficients by run as parameters of the runs, and the records with their values.
+    /// Coefficients that differ between runs, as parameters of the runs, and the records with their values.
     by_run: Option<(RunParameters, Dataset)>,
     pub sources: Sources,
 }
@@ -41,10 +41,10 @@ impl Records<'_> {
 }
 
 impl Discovery {
-    /// Binds data to what a run reads. Components of the state in `start` need no array.
+    /// Binds data to what a run reads. State components in `start` need no array.
     ///
     /// # Errors
-    /// [`ErrorKind::Data`]: all that is missing.
+    /// [`ErrorKind::Data`]: everything that is missing.
     pub(crate) fn records(
         &self,
         data: &Data,
@@ -53,7 +53,7 @@ impl Discovery {
         let found = &self.opened.discovery;
         let model = simulate::reads(found, &self.opened.model, start);
         let mut sources = Sources::default();
-        // The model was read back from the document, so its places lead into an empty text.
+        // The model comes from the document, so its positions refer to an empty text.
         sources.add("result", "");
         let (dataset, faults) = data::bind(&model, &data.tables, &data.params, &mut sources);
         if faults.iter().any(Diagnostic::is_error) {

@@ -1,4 +1,4 @@
-//! Tables larger than memory: their rows, reduced part by part, and the equations of all of them.
+//! Tables larger than memory: rows are reduced part by part, and equations fitted to all of them.
 
 use serde::{Deserialize, Serialize};
 use sidc_discover::Factor;
@@ -11,8 +11,8 @@ use crate::model::Model;
 use crate::options::Options;
 use crate::pipeline;
 
-/// The rows of some parts of a table, reduced to what least squares needs of them: for each equation with N candidate terms the
-/// triangle R of [Φ y] = Q R, (N + 1)(N + 2)/2 numbers. Parts may be reduced anywhere, in any order, and merged.
+/// The rows of some parts of a table, reduced to what least squares needs: for each equation with N candidate terms the triangle R of [Φ y] = Q R, (N + 1)(N
+/// + 2)/2 numbers. Parts may be reduced on different machines, in any order, and merged.
 ///
 /// ```
 /// use sidc::{Data, Model, Options};
@@ -33,12 +33,12 @@ use crate::pipeline;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Reduced {
-    /// One for each equation of the model; `None` where the model states it.
+    /// One per equation of the model; `None` if the model states it.
     factors: Vec<Option<Factor>>,
     parts: usize,
 }
 
-/// As it is sent from one machine to another.
+/// The form for transfer between machines.
 #[derive(Serialize, Deserialize)]
 struct Packed {
     parts: usize,
@@ -57,7 +57,7 @@ impl Reduced {
     /// Adds the rows of other parts.
     ///
     /// # Errors
-    /// [`ErrorKind::Data`]: they were reduced under another model.
+    /// [`ErrorKind::Data`]: the others were reduced under another model.
     pub fn merge(&mut self, other: &Reduced) -> Result<(), Error> {
         if !self.terms().eq(other.terms()) {
             return Err(other_model());
@@ -71,21 +71,21 @@ impl Reduced {
         Ok(())
     }
 
-    /// Rows of the equation that has most.
+    /// The largest number of rows of an equation.
     pub fn rows(&self) -> usize {
         let rows = self.factors.iter().flatten().map(Factor::rows);
         rows.max().unwrap_or(0)
     }
 
-    /// How many parts were merged.
+    /// The number of parts merged.
     pub fn parts(&self) -> usize {
         self.parts
     }
 
-    /// As text.
+    /// As JSON text.
     ///
     /// # Errors
-    /// [`ErrorKind::Internal`], which would be a fault of this program.
+    /// [`ErrorKind::Internal`]: a bug in this program.
     pub fn to_json(&self) -> Result<String, Error> {
         let packed = |factor: &Factor| PackedFactor {
             rows: factor.rows(),
@@ -101,10 +101,10 @@ impl Reduced {
         serde_json::to_string(&packed).map_err(|e| Error::new(ErrorKind::Internal, "internal", e))
     }
 
-    /// Of the text of [`Reduced::to_json`].
+    /// Reads the text of [`Reduced::to_json`].
     ///
     /// # Errors
-    /// [`ErrorKind::Data`]: it is no such text.
+    /// [`ErrorKind::Data`]: not such a text.
     pub fn from_json(text: &str) -> Result<Reduced, Error> {
         let refuse = |why: String| {
             let text = format!(
@@ -128,7 +128,7 @@ impl Reduced {
         })
     }
 
-    /// Candidate terms of each equation.
+    /// The number of candidate terms of each equation; `None` if the model states it.
     fn terms(&self) -> impl Iterator<Item = Option<usize>> {
         self.factors.iter().map(|f| f.as_ref().map(Factor::terms))
     }
@@ -139,12 +139,12 @@ impl Reduced {
 }
 
 impl Model {
-    /// Reduces the rows of a part of a table. Targets that were not measured are estimated from the part alone, so its ends lose some
-    /// rows; stretches held out by the options are not reduced.
+    /// Reduces the rows of one part of a table. Targets that were not measured are estimated from this part alone, so some rows at its ends are lost. Rows
+    /// held out by the options are not reduced.
     ///
     /// # Errors
-    /// [`ErrorKind::Model`]: it has hidden states, unknown constants, constraints, coefficients by run or more than 400 terms for an equation, which
-    /// need all rows at once. [`ErrorKind::Data`]: arrays that it cannot read.
+    /// [`ErrorKind::Model`]: hidden states, unknown constants, constraints, coefficients by run, or more than 400 terms for an equation, all of which need
+    /// all rows at once. [`ErrorKind::Data`]: arrays that the model cannot read.
     pub fn reduce(&self, part: &Data, options: &Options) -> Result<Reduced, Error> {
         self.check_reducible()?;
         let mut sources = self.sources.clone();
@@ -160,9 +160,9 @@ impl Model {
         Ok(Reduced { factors, parts: 1 })
     }
 
-    /// Finds the equations of a table whose rows were reduced, by regression. Terms, doubts, predictions and runs come from the rows
-    /// in `looked_at`, some stretches of the table; coefficients and standard errors from all rows. Where all rows prefer other terms, or
-    /// coefficients outside of their intervals, that is a doubt.
+    /// Finds the equations of a table with reduced rows, by regression. Terms, doubts, predictions and runs come from the rows in `looked_at`, some stretches
+    /// of the table; coefficients and standard errors come from all rows. It is a doubt if all rows prefer other terms, or coefficients outside their
+    /// intervals.
     ///
     /// # Errors
     /// As [`Model::reduce`] and [`Model::identify`].
@@ -175,7 +175,7 @@ impl Model {
         self.identify_reduced_watched(reduced, looked_at, options, &mut Unwatched)
     }
 
-    /// The same while an observer hears what is done and may end it.
+    /// Like [`Model::identify_reduced`], with an observer that may end the work.
     ///
     /// # Errors
     /// As [`Model::identify_reduced`].
@@ -209,7 +209,7 @@ impl Model {
     }
 }
 
-/// Reduced rows are rows of regression.
+/// Reduced rows serve only regression.
 fn regression(options: &Options) -> Options {
     options.clone().method(sidc_discover::Method::Regression)
 }

@@ -1,4 +1,4 @@
-//! What was found as pages: the whole report, and its first part for a notebook.
+//! The result as HTML: the whole report, and its first part for a notebook.
 
 use sidc_emit::report::{self, RecordRun, Subject};
 use sidc_progress::{Activity, Observer};
@@ -8,15 +8,15 @@ use crate::data::Data;
 use crate::discovery::Discovery;
 use crate::error::Error;
 
-/// What the page says it was written from: a result in memory has no file.
+/// Stands for the file that the page was written from.
 const NAME: &str = "a result in memory";
 
 impl Discovery {
-    /// One page of HTML: verdict, equations, intervals, runs along these data, what the data tell; the same as `sidc report`
-    /// writes. If the observer ends the work, the records run along by then are on it.
+    /// A page of HTML with the verdict, equations, intervals and runs along these data, as `sidc report` writes it. If the observer ends the work, the page
+    /// has the records simulated by then.
     ///
     /// # Errors
-    /// [`ErrorKind::Data`](crate::ErrorKind): arrays that lack what a run needs.
+    /// [`ErrorKind::Data`](crate::ErrorKind): arrays missing that a run needs.
     pub fn report(&self, data: &Data, observer: &mut dyn Observer) -> Result<String, Error> {
         let records = self.records(data, &[])?;
         let document = &self.opened.document;
@@ -55,7 +55,7 @@ impl Discovery {
         }))
     }
 
-    /// Equations, the three answers and the coefficients with their intervals as a part of a page, typeset as in the report.
+    /// A fragment of HTML with the equations, the verdict and the coefficients with their intervals, typeset as in the report.
     pub fn html(&self) -> String {
         report::summary(&self.opened.discovery, &self.opened.document)
     }

@@ -1,4 +1,4 @@
-//! The right side of the equations as a function: for integrators of others.
+//! The right side of the equations as a function, for integrators outside this library.
 
 use sidc_lang::term::SignalNames;
 use sidc_system::simulate::RightSide as Compiled;
@@ -6,7 +6,7 @@ use sidc_system::simulate::RightSide as Compiled;
 use crate::discovery::Discovery;
 use crate::error::{Error, ErrorKind};
 
-/// ẋ = f(t, x, u) and ∂f/∂x, compiled; in discrete time the next x. Coupled equations are solved at every point.
+/// ẋ = f(t, x, u) and ∂f/∂x, compiled; in discrete time f gives the next x. Coupled equations are solved at every point.
 ///
 /// ```
 /// use sidc::{Data, Model, Options};
@@ -32,37 +32,37 @@ pub struct RightSide {
 }
 
 impl RightSide {
-    /// Names of the components of x, n of them.
+    /// The names of the n components of x.
     pub fn states(&self) -> &[String] {
         &self.states
     }
 
-    /// Names of the components of u, m of them: inputs, parameters and lagged samples that the equations mention, in this order.
+    /// The names of the m components of u: inputs, parameters and lagged samples that the equations mention, in this order.
     pub fn inputs(&self) -> &[String] {
         &self.inputs
     }
 
-    /// How much later than recorded each component of u acts, in seconds: f takes it as it acts.
+    /// How much later than recorded each component of u acts, in seconds. f takes the delayed value.
     pub fn input_delays(&self) -> &[f64] {
         &self.delays
     }
 
-    /// f at a point. `x` and `out` have length n, `u` has length m; NaN where the equations have no value, or lengths differ.
+    /// Writes f at a point to `out`. `x` and `out` have length n, `u` has length m. NaN if the equations have no value or the lengths differ.
     pub fn rates(&mut self, t: f64, x: &[f64], u: &[f64], out: &mut [f64]) {
         self.compiled.rates(t, x, u, out);
     }
 
-    /// ∂f/∂x at a point, n × n by rows in `out`; NaN as in [`RightSide::rates`].
+    /// Writes ∂f/∂x at a point to `out`, n × n by rows; NaN as in [`RightSide::rates`].
     pub fn jacobian(&mut self, t: f64, x: &[f64], u: &[f64], out: &mut [f64]) {
         self.compiled.jacobian(t, x, u, out);
     }
 }
 
 impl Discovery {
-    /// The right side of the equations. Coefficients and constants that differ between runs have their mean.
+    /// The right side of the equations. Coefficients and constants that differ between runs are replaced by their means.
     ///
     /// # Errors
-    /// [`ErrorKind::Export`]: equations that are no function of state and inputs, or none at all.
+    /// [`ErrorKind::Export`]: no equations, or equations that are not a function of state and inputs.
     pub fn right_side(&self) -> Result<RightSide, Error> {
         let discovery = &self.opened.discovery;
         let compiled = Compiled::new(discovery)

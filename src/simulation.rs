@@ -1,4 +1,4 @@
-//! Free runs of what was found, along other data.
+//! Free runs of the equations found, along other data.
 
 use sidc_lang::term::{Signal, SignalNames};
 use sidc_progress::{Activity, Observer, Unwatched};
@@ -9,7 +9,7 @@ use crate::data::Data;
 use crate::discovery::Discovery;
 use crate::error::{Error, ErrorKind};
 
-/// The equations run along every record.
+/// Runs of the equations along every record.
 #[derive(Clone, Debug, Default)]
 pub struct Simulation {
     pub runs: Vec<SimulatedRun>,
@@ -19,15 +19,15 @@ pub struct Simulation {
 #[derive(Clone, Debug, Default)]
 pub struct SimulatedRun {
     pub name: String,
-    /// Instants of the rows simulated, length R.
+    /// Times of the rows simulated, length R.
     pub time: Vec<f64>,
-    /// States, highest derivatives, outputs: name and R values each, NaN where the run had ended.
+    /// States, highest derivatives, outputs: name and R values each, NaN after the run ended.
     pub signals: Vec<(String, Vec<f64>)>,
-    /// Readings of simulated signals: name and R values each, NaN where one is missing.
+    /// Readings of simulated signals: name and R values each, NaN if missing.
     pub measured: Vec<(String, Vec<f64>)>,
-    /// One for each signal that is simulated and measured.
+    /// One for each signal that is both simulated and measured.
     pub scores: Vec<Score>,
-    /// What ended the run early, and where; `None` if it went through.
+    /// What ended the run early, and where; `None` if it ran to the end.
     pub fault: Option<String>,
 }
 
@@ -46,7 +46,7 @@ pub struct Score {
 }
 
 impl SimulatedRun {
-    /// Values of a signal by its name.
+    /// The values of a signal, by name.
     pub fn signal(&self, name: &str) -> Option<&[f64]> {
         let found = self.signals.iter().find(|(n, _)| n == name);
         found.map(|(_, values)| values.as_slice())
@@ -54,17 +54,17 @@ impl SimulatedRun {
 }
 
 impl Discovery {
-    /// Runs the equations along every record: from its first row, under its inputs, and compares with what was measured. Data are
-    /// read as the model read its own.
+    /// Runs the equations along every record, from its first row and under its inputs, and compares them with the measurements. Data are read as the model
+    /// read its own.
     ///
     /// # Errors
-    /// [`ErrorKind::Data`]: arrays that lack what a run needs; equations that cannot be run.
+    /// [`ErrorKind::Data`]: arrays missing that a run needs; equations that cannot be run.
     pub fn simulate(&self, data: &Data) -> Result<Simulation, Error> {
         self.simulate_from(&[], data, &mut Unwatched)
     }
 
-    /// The same while an observer hears the time reached. If it ends the work, the rows simulated by then are returned, and no
-    /// further record is begun.
+    /// Like [`Discovery::simulate`], with an observer that hears the simulated time. If it ends the work, the rows simulated by then are returned, and no
+    /// further record is started.
     ///
     /// # Errors
     /// As [`Discovery::simulate`].
@@ -76,11 +76,11 @@ impl Discovery {
         self.simulate_from(&[], data, observer)
     }
 
-    /// The same from initial values that are given by name. Those of the state that are given need no array: times and inputs are
-    /// enough where all are.
+    /// Like [`Discovery::simulate_watched`], from named initial values. A state component with an initial value needs no array; if all have one, times and
+    /// inputs are enough.
     ///
     /// # Errors
-    /// As [`Discovery::simulate`]; [`ErrorKind::Options`]: a name that the state does not have.
+    /// As [`Discovery::simulate`]; [`ErrorKind::Options`]: a name that is not in the state.
     pub fn simulate_from(
         &self,
         start: &[(&str, f64)],
@@ -111,7 +111,7 @@ impl Discovery {
         Ok(Simulation { runs })
     }
 
-    /// Components of the state by their names.
+    /// The given state components by their signals.
     fn state_signals(&self, start: &[(&str, f64)]) -> Result<Vec<(Signal, f64)>, Error> {
         let discovery = &self.opened.discovery;
         let state = Form::new(discovery).state;

@@ -1,4 +1,4 @@
-//! Languages that a discovery is written in.
+//! Languages that equations are exported to.
 
 use sidc_emit::TARGETS;
 
@@ -8,7 +8,7 @@ use crate::error::{Error, ErrorKind};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Target {
-    /// As the terminal shows them.
+    /// As the terminal shows the equations.
     Text,
     Latex,
     Rust,
@@ -24,11 +24,11 @@ pub enum Target {
     Matlab,
     Jax,
     Casadi,
-    /// A system of ModelingToolkit.
+    /// A ModelingToolkit system.
     Julia,
     Modelica,
     Sbml,
-    /// An FMU of FMI 3.0, which is a binary file.
+    /// An FMU of FMI 3.0, a binary file.
     Fmi,
 }
 
@@ -53,12 +53,12 @@ impl Target {
         Target::Fmi,
     ];
 
-    /// What `sidc export --to` takes.
+    /// The name that `sidc export --to` takes.
     pub fn name(self) -> &'static str {
         self.emitter().name()
     }
 
-    /// The target of this name.
+    /// The target with this name.
     ///
     /// # Errors
     /// [`ErrorKind::Options`]: no target of this name.

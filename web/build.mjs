@@ -1,6 +1,6 @@
-// Builds the playground: web/dist, static files for any server.
+// Builds the playground into web/dist, static files for any server.
 //
-// The compiler as WebAssembly (crates/web), the page and its worker in one file each, the gallery as it is in models/.
+// The compiler as WebAssembly (crates/web), the page and its worker in one file each, the gallery unchanged from models/.
 import { execFileSync } from "node:child_process";
 import { cpSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
@@ -23,7 +23,7 @@ mkdirSync(dist, { recursive: true });
 const bindings = join(target, "web");
 const compiled = join(target, "wasm32-unknown-unknown/embedded/sidc_web.wasm");
 run("cargo", "run", "--quiet", "--package", "sidc-web-bindings", "--", compiled, bindings);
-// Packed here, so that no server has to be told to.
+// Compressed here, so that no server needs to be configured for it.
 writeFileSync(join(dist, "sidc.wasm.gz"), gzipSync(readFileSync(join(bindings, "sidc_bg.wasm")), { level: 9 }));
 
 await build({

@@ -1,8 +1,8 @@
-// The models of the gallery with their data, as the comments at their heads name them.
+// The models of the gallery with their data, which comments in the models name.
 import { readFileSync, readdirSync } from "node:fs";
 import { join } from "node:path";
 
-/** `{model, data}` for each `.sid` of a folder, by name; the pendulum first. */
+/** `{model, data}` for each `.sid` file in a folder, by name; the pendulum first. */
 export function gallery(folder) {
   const models = readdirSync(folder).filter((name) => name.endsWith(".sid"));
   const first = (name) => (name === "pendulum.sid" ? "" : name);

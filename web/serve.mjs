@@ -12,7 +12,7 @@ const KINDS = {
   ".gz": "application/gzip",
 };
 
-/** The path of the file that an address asks for; undefined if it cannot be read as one. */
+/** The path of the requested file; undefined if the URL is invalid. */
 function asked(url) {
   try {
     const { pathname } = new URL(url, "http://localhost");
@@ -23,7 +23,7 @@ function asked(url) {
   }
 }
 
-/** A server of the folder; `port` 0 takes any that is free. */
+/** A server for the folder; `port` 0 takes any free port. */
 export function serve(folder, port) {
   const server = createServer(async (request, response) => {
     const path = asked(request.url);

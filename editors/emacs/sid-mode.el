@@ -6,7 +6,7 @@
 
 ;;; Commentary:
 
-;; A major mode for .sid files, whose server `sidc lsp' is started by Eglot:
+;; A major mode for .sid files.  Eglot starts their server, `sidc lsp':
 ;;
 ;;   (load "/path/to/editors/emacs/sid-mode.el")
 ;;   (add-hook 'sid-mode-hook #'eglot-ensure)

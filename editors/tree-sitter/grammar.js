@@ -1,8 +1,8 @@
 /**
- * The syntax of .sid files for editors that read trees: grammar/sid.pest, statement by statement.
+ * The syntax of .sid files for editors that use syntax trees, following grammar/sid.pest statement by statement.
  *
- * Lines end no statement here. Where one could go on in the next line (`sin x` before `dy ~ …`), both readings are followed until one fails.
- * tests/it/editor compares the trees with the compiler: `tree-sitter generate` writes src/ anew.
+ * Line ends do not end statements here. Where a statement could continue on the next line (`sin x` before `dy ~ …`), both parses are tried.
+ * tests/it/editor compares the trees with the compiler. `tree-sitter generate` rewrites src/.
  */
 /* global grammar, seq, choice, repeat, repeat1, optional, field, alias, token, prec */
 
@@ -19,7 +19,7 @@ module.exports = grammar({
     [$.unknown, $.attribute],
     [$._item, $.group],
     [$.attribute],
-    // `sin` alone, or of what follows; `sin^2` the power of a name, or of a function.
+    // `sin` may be a name or a call without brackets; `sin^2` a power of a name, or of a function.
     [$._primary, $.call, $.application],
     [$._primary, $.application],
     [$._raised, $._to],
@@ -88,7 +88,7 @@ module.exports = grammar({
     preference: ($) => seq("prefer", $.attribute),
     include: ($) => seq("include", field("path", $.text)),
 
-    // What an equation gives: `dx`, `dx[i]`, `next(x)`, `x1 .. x4`.
+    // The targets of an equation: `dx`, `dx[i]`, `next(x)`, `x1 .. x4`.
     targets: ($) => listed(choice($._target, alias($.target_range, $.range))),
     _target: ($) => choice($.name, $.element, $.call, $.application),
     target_range: ($) => seq($._target, "..", $._target),

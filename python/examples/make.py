@@ -1,6 +1,6 @@
-"""Writes the notebooks of this folder anew and runs them: `python make.py`. Their text stands here, so that it can be read and reviewed.
+"""Writes and runs the notebooks in this folder: `python make.py`. Their text is kept here, so that it can be read and reviewed.
 
-Each part is text, or code behind `>`. Needs nbclient, ipykernel, matplotlib.
+Each part is text, or code if it starts with `>`. Needs nbclient, ipykernel, matplotlib.
 """
 
 from __future__ import annotations
@@ -118,7 +118,7 @@ NOTEBOOKS = {"ten_minutes": TEN_MINUTES, "pendulum": PENDULUM, "pysindy_tour": P
 
 
 def notebook(parts: list[str]) -> nbformat.NotebookNode:
-    """The cells, not run."""
+    """The cells, not yet run."""
     made = new_notebook(metadata={"kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"}})
     for place, part in enumerate(parts):
         cell = new_code_cell(part[1:]) if part.startswith(">") else new_markdown_cell(part)
@@ -128,7 +128,7 @@ def notebook(parts: list[str]) -> nbformat.NotebookNode:
 
 
 def run(name: str, folder: Path) -> nbformat.NotebookNode:
-    """A notebook with its outputs; raises what a cell raises."""
+    """Runs a notebook. Raises what a cell raises."""
     made = notebook(NOTEBOOKS[name])
     nbclient.NotebookClient(made, timeout=120, resources={"metadata": {"path": str(folder)}}, record_timing=False).execute()
     made.metadata.pop("language_info", None)

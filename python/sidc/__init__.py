@@ -8,8 +8,8 @@ True
 >>> [term.term for term in result.equations[0].terms]
 ['x']
 
-`Model` is what you know, a table (a dict of arrays, a frame of pandas, polars, pyarrow, dask) what you measured, `Result` what was
-found. `Identifier` is the same with the interface of PySINDy and scikit-learn. The language of models is that of the program `sidc`.
+`Model` is what you know, a table (a dict of arrays, a pandas, polars, pyarrow or dask frame) what you measured, and `Result` what was
+found. `Identifier` offers the same through the interface of PySINDy and scikit-learn. Models use the language of the program `sidc`.
 """
 
 from ._errors import Error

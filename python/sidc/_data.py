@@ -13,7 +13,7 @@ from ._errors import Error
 
 
 class Measured:
-    """Records in the order in which they were given: files by their names, other tables called `run 1`, `run 2`, …"""
+    """Records in the order in which they were given: files keep their names, other tables are called `run 1`, `run 2`, …"""
 
     def __init__(self) -> None:
         self.native = _sidc.Data()
@@ -22,7 +22,7 @@ class Measured:
 
     @staticmethod
     def of(data: Any, params: Mapping[str, float | Sequence[float]] | None = None) -> Measured:
-        """The tables of one run or of several; a Measured is itself."""
+        """The tables of one or several runs; a Measured is returned unchanged."""
         if isinstance(data, Measured):
             return data
         measured = Measured()
@@ -37,7 +37,7 @@ class Measured:
         return measured
 
     def add(self, table: Any) -> int:
-        """Adds a table; its place."""
+        """Adds a table. Returns its index."""
         place = len(self._tables)
         if isinstance(table, (str, os.PathLike)):
             self._add_file(table)
@@ -52,7 +52,7 @@ class Measured:
         with open(path, "rb") as file:
             self.native.file(name, file.read())
         for note in self.native.notes()[known:]:
-            # Of who calls a method of a model or a result.
+            # Attributed to the caller of a method of a model or a result.
             warnings.warn(note, stacklevel=5)
 
     def _add_columns(self, name: str, table: Any) -> None:
@@ -61,7 +61,7 @@ class Measured:
         self.native.run(name, columns)
 
     def hold_out(self, options: _sidc.Options, held: Any) -> None:
-        """Tells the options what is held out; tables that are no records yet are added."""
+        """Sets in the options what is held out; tables that are not yet records are added."""
         if held is None:
             return
         if isinstance(held, list):
@@ -80,7 +80,7 @@ class Measured:
 
     @contextmanager
     def explained(self) -> Iterator[None]:
-        """Adds to an error of the data which columns were left out because they hold no numbers."""
+        """Adds to errors of the data which columns were ignored because they hold no numbers."""
         try:
             yield
         except Error as error:

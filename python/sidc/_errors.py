@@ -1,12 +1,12 @@
-"""The one error of the language and its data."""
+"""The only error of the language and its data."""
 
 from __future__ import annotations
 
 
 class Error(ValueError):
-    """Why there is no answer: every fault at once, each with its place, its cause and a way out.
+    """Why there is no result: every fault at once, each with its place, its cause and a remedy.
 
-    As text it is what the program prints.
+    The text is what the program prints.
     """
 
     kind: str

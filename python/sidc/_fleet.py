@@ -1,7 +1,7 @@
-"""One law for many records: laws found from groups of them, joined.
+"""One law for many records: results from groups of records are combined.
 
-In: a model, the results of groups of records. Out: the terms that most groups found, and coefficients of all groups together, by
-inverse variance. Finds no equation itself.
+In: a model, the results of groups of records. Out: the terms found in most groups, and coefficients pooled over all groups by inverse
+variance. Finds no equation itself.
 """
 
 from __future__ import annotations
@@ -19,61 +19,61 @@ MAJORITY = 0.5
 """Share of the groups in which a term must be found: the median probability model (Barbieri & Berger 2004, Ann. Statist. 32, 870)."""
 
 DIFFERS = 1e-3
-"""Probability, over the number of coefficients, below which groups differ by more than their errors."""
+"""Groups differ if this significance level, divided by the number of coefficients, is undercut."""
 
 NORMAL = 1.959964
-"""Half of a 95 % interval in standard errors."""
+"""Half-width of a 95 % interval in standard errors."""
 
 
 @dataclass(frozen=True)
 class FleetTerm:
-    """A coefficient of all groups."""
+    """A coefficient pooled over all groups."""
 
     target: str
     term: str
     coefficient: float
     standard_error: float
-    """Of the mean, if all records have one value."""
+    """Of the mean, if all records share one value."""
     spread: float
-    """Standard deviation of the groups' values beyond their errors (DerSimonian & Laird 1986); 0 if these explain it."""
+    """Standard deviation of the groups' values beyond their errors (DerSimonian & Laird 1986); 0 if the errors explain it."""
     p: float
-    """Probability of groups as different as these if all records have one value (Cochran's Q)."""
+    """Probability of differences at least this large if all records share one value (Cochran's Q)."""
     groups: int
 
 
 class Fleet:
-    """The law of a fleet. As text it is the equations, what the groups say of them, and the doubts."""
+    """The law of a fleet. Its text has the equations, how the groups agree, and the doubts."""
 
     def __init__(self, model: Model, results: Sequence[Result | Exception]) -> None:
         self.model = model
-        """The model whose libraries list the terms that most groups found."""
+        """The model with libraries reduced to the terms found in most groups."""
         self.results = list(results)
-        """Those of the groups, found under it; an error where a group had none."""
+        """The results of the groups under this model; an error if a group has none."""
         self.terms = list(_joined(self.found))
 
     @property
     def found(self) -> list[Result]:
-        """The groups that have an answer."""
+        """The results of the groups that have one."""
         return [result for result in self.results if isinstance(result, Result)]
 
     @property
     def differing(self) -> list[FleetTerm]:
-        """Coefficients that are not the same in all records."""
+        """Coefficients that differ between groups by more than their errors."""
         return [term for term in self.terms if term.p < DIFFERS / len(self.terms)]
 
     @property
     def doubts(self) -> Counter[str]:
-        """How many groups have which doubt, by code."""
+        """The number of groups with each doubt, by code."""
         return Counter(code for result in self.found for code in {doubt.code for doubt in result.doubts})
 
     @property
     def passes(self) -> bool:
-        """True if every group has an answer without a doubt, and no coefficient differs between them."""
+        """True if every group has a result without doubts, and no coefficient differs between groups."""
         return len(self.found) == len(self.results) > 0 and all(result.passes for result in self.found) and not self.differing
 
     @property
     def result(self) -> Result:
-        """The law to simulate and export: the answer of the first group with the coefficients of all.
+        """The law for simulation and export: the result of the first group with the pooled coefficients.
 
         Its evidence is that of the first group alone.
         """
@@ -107,7 +107,7 @@ class Fleet:
 
 
 def majority(model: Model, results: Iterable[Result | Exception]) -> Model:
-    """The model with the terms that more than half of the answers have."""
+    """The model with the terms found in more than half of the results."""
     found = [result for result in results if isinstance(result, Result)]
     if not found:
         raise ValueError("no group of records has an answer: identify one record to see why")
@@ -123,7 +123,7 @@ def majority(model: Model, results: Iterable[Result | Exception]) -> Model:
 
 
 def _joined(results: Sequence[Result]) -> Iterator[FleetTerm]:
-    """Every coefficient of all groups that have it with an error."""
+    """Pools every coefficient over the groups that have it with a standard error."""
     values: dict[tuple[str, str], list[tuple[float, float]]] = {}
     for result in results:
         for equation in result.equations:
@@ -136,7 +136,7 @@ def _joined(results: Sequence[Result]) -> Iterator[FleetTerm]:
 
 
 def _mean(target: str, name: str, pairs: Sequence[tuple[float, float]]) -> FleetTerm:
-    # An error of 0 would be all of the weight.
+    # An error of 0 would get all the weight.
     least = max(max(abs(value) for value, _ in pairs) * 1e-12, math.ulp(0.0))
     weights = [1 / max(error, least) ** 2 for _, error in pairs]
     total = math.fsum(weights)
@@ -154,6 +154,6 @@ def _below(p: float) -> str:
 
 
 def chi_squared_tail(q: float, free: int) -> float:
-    """P(χ² > q), by the cube root of Wilson & Hilferty (1931)."""
+    """P(χ² > q), by the cube-root approximation of Wilson & Hilferty (1931)."""
     share = 2 / (9 * free)
     return 0.5 * math.erfc(((q / free) ** (1 / 3) - (1 - share)) / math.sqrt(2 * share))

@@ -18,19 +18,19 @@ _NAME = re.compile(r"(?<!\w)[^\W\d]\w*(?!\w)(?!\s*\()")
 
 
 class Identifier:
-    """First-order equations dx/dt = f(x, u) of a state that is measured, as `pysindy.SINDy` finds them.
+    """First-order equations dx/dt = f(x, u) for a measured state, in the manner of `pysindy.SINDy`.
 
     Args:
         library: the candidate terms of every equation, in the language of models; by default polynomials of degree 2.
-        feature_names: names of the columns of X; by default those of a frame, else the names in `library` in the order in which
-            they appear, else x0, x1, …
-        input_names: names of the columns of u; by default the further names in `library`, else u0, u1, …
-        noise: standard deviation of the measurements by name, as for `Model.identify`; a number holds for all columns.
+        feature_names: names of the columns of X; by default those of a frame, else the names in `library` in order of appearance,
+            else x0, x1, …
+        input_names: names of the columns of u; by default the remaining names in `library`, else u0, u1, …
+        noise: standard deviation of the measurements by name, as for `Model.identify`; a number applies to all columns.
         method: as for `Model.identify`.
-        discrete_time: the equations give the next sample in place of the derivative.
-        t_default: the time between samples where `fit` is given no times.
+        discrete_time: the equations give the next sample instead of the derivative.
+        t_default: the time between samples if `fit` gets no times.
 
-    After `fit`, `result_` is the `Result` with all evidence, `model_` the model that was written.
+    After `fit`, `result_` is the `Result` with all evidence, and `model_` the model that was used.
     """
 
     _estimator_type = "regressor"
@@ -62,10 +62,10 @@ class Identifier:
 
         Args:
             X: measurements (M, n), or a list of such arrays, one for each trajectory.
-            t: the time between samples, their times (M,), or a list of these. As PySINDy has it they may be the second argument; a
-                single column of as many values as a single state is its derivative there, as scikit-learn has it.
+            t: the time between samples, their times (M,), or a list of these. As in PySINDy, they may be the second argument; but as in
+                scikit-learn, a single column with as many values as a single state has is its derivative there.
             u: inputs (M, m), or a list of them.
-            x_dot, y: derivatives (M, n) that were measured, or a list of them.
+            x_dot, y: measured derivatives (M, n), or a list of them.
         """
         t, x_dot = _times_or_rates(X, y, t, x_dot)
         trials = list(_trials(X, t, u, x_dot, self.t_default))
@@ -81,13 +81,13 @@ class Identifier:
         return self
 
     def predict(self, X: Any, u: Any = None, *, t: Any = None) -> Any:
-        """The derivatives, or the next samples in discrete time, at each row: (M, n); a list for a list."""
+        """The derivatives, or in discrete time the next samples, at each row: (M, n). A list gives a list."""
         self._check_columns(X)
         rates = self._rates(list(_trials(X, t, u, None, self.t_default)))
         return rates if _are_several(X) else rates[0]
 
     def simulate(self, x0: ArrayLike, t: Any, u: ArrayLike | Callable[[float], Any] | None = None) -> NDArray[float64]:
-        """The states (T, n) from `x0` on at the times `t`, or for so many samples in discrete time; NaN where a run has ended.
+        """The states (T, n) from `x0` on at the times `t`, or in discrete time for this many samples; NaN after a run has ended.
 
         `u` has a row for each time, or is a function of time.
         """
@@ -109,7 +109,7 @@ class Identifier:
         return states
 
     def score(self, X: Any, y: Any = None, *, t: Any = None, u: Any = None, x_dot: Any = None) -> float:
-        """R² of the derivatives that the equations give at the rows of X, the mean over the states.
+        """R² of the derivatives that the equations give at the rows of X, averaged over the states.
 
         They are compared with `x_dot` (or `y`), else with central differences of X; in discrete time with the next samples.
         """
@@ -134,7 +134,7 @@ class Identifier:
         return float(np.mean(1.0 - error / spread))
 
     def get_feature_names(self) -> list[str]:
-        """The candidate terms: those of the columns of `coefficients`."""
+        """The candidate terms, in the order of the columns of `coefficients`."""
         self._check_fitted()
         terms = (self.model_.terms(target) for target in self.model_.targets)
         return list(dict.fromkeys(term for own in terms for term in own))
@@ -188,7 +188,7 @@ class Identifier:
         from sklearn.utils import InputTags, RegressorTags, Tags, TargetTags
 
         target = TargetTags(required=False, multi_output=True)
-        # NaN marks a reading that is missing.
+        # NaN marks a missing reading.
         given = InputTags(allow_nan=True)
         return Tags(estimator_type="regressor", target_tags=target, regressor_tags=RegressorTags(), input_tags=given)
 
@@ -205,7 +205,7 @@ class Identifier:
             raise _not_fitted()("this Identifier is not fitted yet: call fit first")
 
     def _check_columns(self, X: Any) -> None:
-        """A frame has the columns that were fitted, in their order: rows are taken by place."""
+        """Checks that a frame has the fitted columns in the same order, since columns are taken by position."""
         self._check_fitted()
         columns = _columns_of(X)
         if columns and self.columns_ and columns != self.columns_:
@@ -214,18 +214,18 @@ class Identifier:
             features = _tables.matrix(x).shape[1]
             if features != self.n_features_in_:
                 kind = type(self).__name__
-                # The words of scikit-learn, which programs look for.
+                # scikit-learn's wording, which programs look for.
                 text = f"X has {features} features, but {kind} is expecting {self.n_features_in_} features as input"
                 raise ValueError(f"{text}. Reshape your data: rows are samples, columns are states")
 
     def _rates(self, trials: Sequence[_Trial]) -> list[NDArray[float64]]:
-        """What the equations give at each row of each trajectory."""
+        """The values that the equations give at each row of each trajectory."""
         self._check_fitted()
         if self.result_.failed:
             missing = ", ".join(entry["target"] for entry in self.result_.failed)
             raise ValueError(f"no equation was found for {missing}; result_.failed says why")
         function = self.result_.function()
-        # Of u the columns that the equations mention.
+        # Only the columns of u that the equations mention.
         given = [self.input_names_in_.index(name) for name in function.inputs]
         inputs = (trial.u.T[given] if given and trial.u is not None else None for trial in trials)
         return [function(trial.t, trial.x.T, u).T for trial, u in zip(trials, inputs)]
@@ -247,7 +247,7 @@ class Identifier:
 
 def _defaults(kind: type[Identifier]) -> dict[str, Any]:
     """The arguments of the constructor with their defaults."""
-    # Loaded here, because it is half of what importing the package would take.
+    # Loaded here, because it is half of the import time of the package.
     import inspect
 
     parameters = inspect.signature(kind).parameters
@@ -255,7 +255,7 @@ def _defaults(kind: type[Identifier]) -> dict[str, Any]:
 
 
 def _not_fitted() -> type[Exception]:
-    """scikit-learn's own where it is installed."""
+    """scikit-learn's own exception, if it is installed."""
     try:
         from sklearn.exceptions import NotFittedError
     except ImportError:
@@ -301,7 +301,7 @@ def _trials(X: Any, t: Any, u: Any, x_dot: Any, t_default: float) -> Iterator[_T
     if not _are_several(X):
         yield _Trial(X, t, u, x_dot, t_default)
         return
-    # One t serves all trajectories unless there is a list of them.
+    # A single t applies to all trajectories.
     times = t if isinstance(t, (list, tuple)) else [t] * len(X)
     others = [values if values is not None else [None] * len(X) for values in (u, x_dot)]
     for name, values in (("t", times), ("u", others[0]), ("x_dot", others[1])):
@@ -312,7 +312,7 @@ def _trials(X: Any, t: Any, u: Any, x_dot: Any, t_default: float) -> Iterator[_T
 
 
 def _model_text(library: str | None, states: list[str], inputs: list[str], discrete: bool) -> str:
-    """The model of first-order equations with one library."""
+    """A model of first-order equations with a common library."""
     targets = ", ".join(f"next {name}" if discrete else f"d{name}" for name in states)
     lines = [f"state {', '.join(states)}"]
     lines += [f"input {', '.join(inputs)}"] if inputs else []
@@ -322,13 +322,13 @@ def _model_text(library: str | None, states: list[str], inputs: list[str], discr
 
 
 def _names_in(library: str) -> list[str]:
-    """Names of signals in a library, in the order in which they appear."""
+    """Names of signals in a library, in order of appearance."""
     words = {*_sidc.Model.vocabulary(), "pi", _tables.TIME}
     return list(dict.fromkeys(name for name in _NAME.findall(library) if name not in words))
 
 
 def _times_or_rates(X: Any, y: Any, t: Any, x_dot: Any) -> tuple[Any, Any]:
-    """Times and derivatives, where the second argument may be either: PySINDy has times there, scikit-learn targets."""
+    """Separates times and derivatives: the second argument is times in PySINDy and targets in scikit-learn."""
     import numpy as np
 
     if y is None:
@@ -347,13 +347,13 @@ def _is_number(value: Any) -> bool:
 
 
 def _are_several(X: Any) -> bool:
-    """Whether X is a list of trajectories; a list of lists of numbers is one, by its rows."""
+    """Whether X is a list of trajectories; a list of lists of numbers is one trajectory, given by rows."""
     import numpy as np
 
     return isinstance(X, (list, tuple)) and len(X) > 0 and (hasattr(X[0], "shape") or np.ndim(X[0]) > 1)
 
 
 def _columns_of(X: Any) -> list[str] | None:
-    """The columns of a frame, or of the first of several."""
+    """The columns of a frame, or of the first of several frames."""
     first = X[0] if _are_several(X) else X
     return [str(name) for name in first.columns] if hasattr(first, "columns") else None

@@ -1,4 +1,4 @@
-"""Models: what is known of a system, and the search for its equations."""
+"""Models of systems, and the search for their equations."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 
 class Model:
-    """A checked model: variables, equations asked for, libraries of candidate terms (docs/language.md).
+    """A checked model: variables, equations to find, libraries of candidate terms (docs/language.md).
 
-    Raises `Error` with every fault of the text at once. `name` stands for the text in messages and in the result document; `read` gives the text
-    of a file that the model includes, by its path.
+    Raises `Error` with every fault of the text. `name` stands for the text in messages and in the result document; `read` gives the text
+    of an included file by its path.
     """
 
     def __init__(self, text: str, name: str = "model.sid", *, read: Callable[[str], str] | None = None) -> None:
@@ -29,7 +29,7 @@ class Model:
 
     @property
     def text(self) -> str:
-        """The model as it was written, with the files that it includes in their place."""
+        """The model as it was written, with included files inlined."""
         return self._native.text()
 
     @property
@@ -38,20 +38,20 @@ class Model:
         return self._native.targets()
 
     def candidates(self, target: str) -> int | None:
-        """How many terms are candidates for an equation; None if nothing is looked for there."""
+        """The number of candidate terms of an equation; None if that equation is not searched for."""
         return self._native.candidates(target)
 
     def terms(self, target: str) -> list[str]:
-        """The terms that are candidates for an equation. A library may have millions of them: see `candidates`."""
+        """The candidate terms of an equation. There may be millions: see `candidates`."""
         return self._native.candidate_terms(target) or []
 
     def with_terms(self, libraries: Mapping[str, Sequence[str]]) -> Model:
-        """The model with other libraries: those of the targets given list these terms, as they are printed."""
+        """The model with the libraries of the given targets replaced by these terms, spelled as they are printed."""
         return Model(self._native.with_terms([(target, list(terms)) for target, terms in libraries.items()]), self._name)
 
     @property
     def warnings(self) -> str:
-        """The warnings about the model, as the program prints them; empty if there are none."""
+        """The warnings about the model, as the program prints them."""
         return self._native.warnings()
 
     def identify(
@@ -78,35 +78,35 @@ class Model:
     ) -> Result:
         """Finds the equations.
 
-        `data` is a table, or a list of tables for several runs: a dict of arrays of one length, a frame of pandas, polars, pyarrow or
-        dask, or anything with the Arrow C stream. Columns have the names that the model reads; NaN marks a missing value. Times are
-        seconds: a column, an index of numbers, or dates, which count in seconds from the first.
+        `data` is a table, or a list of tables for several runs: a dict of arrays of equal length, a pandas, polars, pyarrow or dask frame,
+        or anything with the Arrow C stream. Columns have the names that the model reads; NaN marks a missing value. Times are in seconds:
+        a column, a numeric index, or dates, which count in seconds from the first.
 
         The options are those of `sidc identify`:
 
         Args:
-            holdout: rows that no equation is found from; the equations run on them. The last part of every record (0.25),
-                times (a, b) with None for an open end, a table of its own, or a list of these.
-            noise: standard deviation of a signal's measurement in the model's units, by name; a pair (floor, share) for noise that
-                grows with the signal.
-            params: values of the parameters that the model declares: one for all runs, or one for each.
-            window: the times (a, b) that are used.
+            holdout: held-out rows, on which the equations found from the others are run: the last part of every record (0.25), times (a, b)
+                with None for an open end, a separate table, or a list of these.
+            noise: standard deviation of a signal's measurement in the model's units, by name; a pair (floor, share) for noise that grows
+                with the signal.
+            params: values of the parameters that the model declares: one for all runs, or one per run.
+            window: the range of times (a, b) to use.
             horizon: how far ahead predictions are compared with the data, in seconds (samples in discrete time).
-            good: the error that these predictions are to stay within in 90 % of the starts, as a part of each signal's spread, or
-                by name in the signal's unit.
+            good: the error within which 90 % of these predictions must stay, as a fraction of each signal's spread, or by name in the
+                signal's unit.
             method: `auto`, `joint` (trajectory and equations together), `regression` (of derivatives) or `weak` (of integrals).
             solver: the sparse solver.
-            samples, seed: use so many rows, drawn at random; the others test the answer.
-            robust: gives outliers no weight.
+            samples, seed: use this many random rows; the others test the result.
+            robust: rejects outliers.
             path: adds the answers for larger tolerances.
-            prove_sparsest: looks for the fewest terms that fit, with a proof, for so many seconds (True: 60) in all.
-            verify: checks every equation and its proof once more, by separate code in 106 bits.
-            memory_limit: most bytes that the values of one library may take.
-            time_limit: seconds after which the search ends with what there is, and a doubt that says so.
-            progress: a bar by tqdm; by default where somebody looks, after a second.
+            prove_sparsest: searches for the fewest terms that fit, with a proof, for this many seconds in total (True: 60).
+            verify: checks every equation and its certificate again, by independent code in 106-bit arithmetic.
+            memory_limit: largest number of bytes that the values of one library may take.
+            time_limit: seconds after which the search ends with what it has, and a doubt that says so.
+            progress: a tqdm bar; by default shown at a terminal or in a notebook, after a second.
 
-        Raises `Error`: what the model cannot read in the data, all faults at once, or an option that names what is not there.
-        An equation with a doubt is an answer too: see `Result.passes`.
+        Raises `Error` for data that the model cannot read, with all faults, and for options that name something unknown.
+        An equation with doubts is returned too: see `Result.passes`.
         """
         options = search_options(
             noise=noise, window=window, horizon=horizon, good=good, method=method, solver=solver, samples=samples, seed=seed,
@@ -134,16 +134,16 @@ class Model:
     ) -> Result:
         """Finds the equations of a table larger than memory, by regression, in one pass over its parts.
 
-        `parts` is the path of a Parquet file, read by pyarrow, or the parts of the table as tables one after another. Terms,
-        doubts, predictions and runs come from `look_at` rows at most, in up to 32 stretches along the table; coefficients and standard
-        errors from all rows. Where all rows say something else than those looked at, that is the doubt `rows-differ`.
+        `parts` is the path of a Parquet file, read by pyarrow, or the parts of the table as a sequence of tables. Terms, doubts,
+        predictions and runs come from at most `look_at` rows, in up to 32 stretches of the table; coefficients and standard errors come
+        from all rows. If all rows disagree with these rows, that is the doubt `rows-differ`.
 
         Args:
-            holdout: the part of the rows looked at that no equation is found from, behind each stretch.
-            time_limit: seconds for the search among the rows looked at, once all parts are read.
+            holdout: the held-out fraction of these rows, at the end of each stretch.
+            time_limit: seconds for the search, after all parts are read.
 
         The other options are those of `identify`. Derivatives that are not measured are estimated within each part. Hidden states,
-        unknown constants, constraints and libraries of more than 400 terms need all rows at once: `Error` says so.
+        unknown constants, constraints and libraries of more than 400 terms need all rows at once and raise `Error`.
         """
         from ._parts import Parts, gather
 
@@ -161,7 +161,7 @@ class Model:
         horizon: float | None,
         good: float | Mapping[str, float] | None,
     ) -> tuple[_sidc.Options, Reducer]:
-        # Loaded here, because it is most of what importing the package would take.
+        # Loaded here, because it is most of the import time of the package.
         from ._parts import Reducer
 
         reducer = Reducer.of(self.text, self._name, look_at, holdout, noise, params)
@@ -204,9 +204,9 @@ def read(path: str | os.PathLike[str]) -> Model:
 
 
 def new(data: Any) -> Model:
-    """A first model of a table, guessed from names and shapes: states with their orders, inputs, a library to start from.
+    """A first model for a table, guessed from names and shapes: states with their orders, inputs, a library to start from.
 
-    Its `text` has comments that say what was guessed; edit it. Nothing is identified.
+    Comments in its `text` say what was guessed; edit it. Nothing is identified.
     """
     measured = Measured.of(data)
     with measured.explained():

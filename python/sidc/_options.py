@@ -1,4 +1,4 @@
-"""Options of a search, checked as the command line checks them."""
+"""Options of a search, checked as on the command line."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from typing import Union
 from . import _sidc
 
 Span = tuple[Union[float, None], Union[float, None]]
-"""The first and the last time; None for an open end."""
+"""The first and last time; None for an open end."""
 
 Noise = Union[float, tuple[float, float]]
 """A standard deviation, or a floor and a share of the value."""
 
 LOOK_AT = 100_000
-"""Rows that are looked at closely unless told otherwise: as many as are searched of a table in memory with forty terms."""
+"""Default number of rows that are kept for the search: as many as are searched of a table in memory with forty terms."""
 
 PROOFS = 60.0
-"""Seconds for the proofs of sparsest equations where nothing is said, as with `sidc identify --prove-sparsest`."""
+"""Default seconds for proofs of sparsest equations, as for `sidc identify --prove-sparsest`."""
 
 
 def search_options(
@@ -39,7 +39,7 @@ def search_options(
 ) -> _sidc.Options:
     """The options of `Model.identify`.
 
-    Raises `Error` for names that are not there, ValueError for numbers that mean nothing.
+    Raises `Error` for unknown names, ValueError for invalid numbers.
     """
     options = _sidc.Options()
     options.method(method)

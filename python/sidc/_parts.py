@@ -1,7 +1,7 @@
-"""Tables larger than memory: their parts, one after another -> reduced rows, and stretches that are looked at closely.
+"""Tables larger than memory: parts, one after another -> reduced rows, and stretches that are searched.
 
-In: the parts of a table. Out: what least squares needs of all rows, and some rows. Of a part nothing else is kept, so memory does not
-grow with their number.
+In: the parts of a table. Out: what least squares needs from all rows, and some of the rows. Nothing else of a part is kept, so memory
+does not grow with the number of parts.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 Columns = list[tuple[str, "NDArray[float64]"]]
-"""Names and values."""
+"""Names with values."""
 
 STRETCHES = 32
-"""Most stretches that these rows are taken from; at least half as many where there are parts enough."""
+"""Largest number of stretches that rows are kept from; at least half as many if there are enough parts."""
 
 BATCH = 1 << 17
-"""Rows of a part of a file: some ten megabytes."""
+"""Rows per part of a file: about ten megabytes."""
 
 
 @dataclass
@@ -42,22 +42,22 @@ class Part:
 
 @dataclass
 class Reducer:
-    """Reduces parts under a model. It can be sent to another process; what it makes of a part is sent back by `packed`."""
+    """Reduces parts under a model. It can be sent to another process, and its results are sent back as `Packed`."""
 
     text: str
     name: str
     noise: Mapping[str, Noise] | None
     params: Mapping[str, float] | None
     look_at: int
-    """Rows that are looked at closely in all."""
+    """Total number of rows kept for the search."""
     holdout: float
-    """The part of them that no equation is found from, behind each stretch."""
+    """The held-out fraction of these, at the end of each stretch."""
 
     @staticmethod
     def of(
         text: str, name: str, look_at: int, holdout: float | None, noise: Mapping[str, Noise] | None, params: Mapping[str, float] | None
     ) -> Reducer:
-        """One that has so many rows looked at in all, and this part of them held out."""
+        """A reducer that keeps this many rows in total, with this fraction held out."""
         if not look_at >= STRETCHES:
             raise ValueError(f"look_at: at least {STRETCHES} rows, not {look_at!r}")
         if holdout is not None and not 0 < holdout < 1:
@@ -65,13 +65,13 @@ class Reducer:
         return Reducer(text, name, noise, params, look_at, holdout or 0.0)
 
     def share(self, parts: int, rows: int) -> tuple[int, int]:
-        """Of the first rows of a part, one of so many: how many are looked at closely, and how many behind them are held out."""
+        """How many of the first rows of a part, one of `parts`, are searched, and how many after them are held out."""
         kept = min(rows, self.look_at // min(parts, STRETCHES))
         held = round(kept * self.holdout)
         return kept - held, held
 
     def reduce(self, table: Any, parts: int, keeps: bool = True) -> Part | None:
-        """Reduces a part, one of so many; its first rows are looked at closely if it `keeps` them. None of a part without rows."""
+        """Reduces a part, one of `parts`; if `keeps`, its first rows are kept for the search. None for a part without rows."""
         columns, _ = _tables.columns(table)
         rows = _length(columns)
         if columns and rows == 0:
@@ -81,7 +81,7 @@ class Reducer:
         ahead, held = self.share(parts, rows)
         behind = ahead + held
         looked_at, held_out = _rows(columns, 0, ahead), _rows(columns, ahead, behind)
-        # Without a gap the rows stay one record.
+        # Rows without a gap must stay one record.
         used = [looked_at, [(name, values[behind:]) for name, values in columns]] if held else [columns]
         return Part(self._reduced([run for run in used if _length(run)]), looked_at, held_out if behind > ahead else None)
 
@@ -90,7 +90,7 @@ class Reducer:
         return model.reduce(measured(runs, self.params).native, self.options())
 
     def options(self, horizon: float | None = None, good: float | Mapping[str, float] | None = None) -> _sidc.Options:
-        """Those of its regression; predictions are asked of what is found, not of a part."""
+        """The options of its regression; predictions are made for the whole, not for a part."""
         return search_options(
             noise=self.noise, window=None, horizon=horizon, good=good, method="regression", solver=None, samples=None, seed=0, robust=False,
             path=False, prove_sparsest=False, verify=False, memory_limit=None,
@@ -98,7 +98,7 @@ class Reducer:
 
 
 class Gathered:
-    """The parts of a table so far. Parts are taken in their order, so that the same parts give the same bytes."""
+    """The parts of a table so far. Parts must be added in order, so that the same parts give the same bytes."""
 
     def __init__(
         self, reducer: Reducer, reduced: _sidc.Reduced | None = None, stretches: Sequence[tuple[Columns, Columns | None]] = ()
@@ -110,7 +110,7 @@ class Gathered:
         self._parts = 0
 
     def add(self, part: Part | None) -> None:
-        """A part without rows changes nothing."""
+        """Adds a part; one without rows changes nothing."""
         if part is None:
             return
         if self.reduced is None:
@@ -126,7 +126,7 @@ class Gathered:
         if len(self.stretches) > STRETCHES:
             self.stretches = self.stretches[::2]
             self._every *= 2
-        # The first parts kept more than their share of all.
+        # The first parts kept more than their final share.
         self.stretches = [self._trimmed(used, held) for used, held in self.stretches]
 
     def _trimmed(self, used: Columns, held: Columns | None) -> tuple[Columns, Columns | None]:
@@ -134,7 +134,7 @@ class Gathered:
         return _rows(used, 0, ahead), held and _rows(held, 0, behind)
 
     def looked_at(self, options: _sidc.Options, params: Mapping[str, float] | None) -> Measured:
-        """The stretches as records; those held out are told to the options."""
+        """The kept stretches as records; held-out ones are set in the options."""
         data = measured([used for used, _ in self.stretches], params)
         for _, held in self.stretches:
             if held is not None:
@@ -153,11 +153,11 @@ class Parts:
 
     tables: Iterable[Any]
     count: int | None
-    """How many there are, where that is known."""
+    """The number of parts, if it is known."""
 
     @staticmethod
     def of(source: Any) -> Parts:
-        """The batches of a Parquet file, or the tables that the source yields."""
+        """The batches of a Parquet file, or the tables from an iterable."""
         if isinstance(source, (str, os.PathLike)):
             return _batches(source)
         if isinstance(source, Iterable) and not isinstance(source, Mapping):
@@ -167,7 +167,7 @@ class Parts:
 
 
 def gather(reducer: Reducer, parts: Iterable[Any]) -> Gathered:
-    """Reduces the parts on every core, some at a time."""
+    """Reduces the parts on all cores, a few at a time."""
     cores = os.cpu_count() or 1
     gathered = Gathered(reducer)
     waiting: deque[Future[Part | None]] = deque()
@@ -180,7 +180,7 @@ def gather(reducer: Reducer, parts: Iterable[Any]) -> Gathered:
         while waiting:
             gathered.add(waiting.popleft().result())
     finally:
-        # After Ctrl-C nobody waits for the parts at hand.
+        # After Ctrl-C the parts in progress are not waited for.
         pool.shutdown(wait=False, cancel_futures=True)
     return gathered
 

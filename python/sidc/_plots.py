@@ -1,4 +1,4 @@
-"""Pictures by matplotlib."""
+"""Figures with matplotlib."""
 
 from __future__ import annotations
 
@@ -33,6 +33,6 @@ def measured_against_simulated(runs: Sequence[Run]) -> Figure:
         column[-1].set_xlabel("t")
     all_axes[0, 0].legend(fontsize="small")
     if "inline" in plt.get_backend():
-        # The cell of a notebook shows what it returns, and again what is open.
+        # A notebook cell shows the returned figure, and again any figure that is open.
         plt.close(figure)
     return figure

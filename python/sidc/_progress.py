@@ -1,4 +1,4 @@
-"""Progress of long work, by tqdm where that is installed and somebody looks: at a terminal or in a notebook."""
+"""Progress of long work, by tqdm if it is installed, at a terminal or in a notebook."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from types import TracebackType
 from typing import Any
 
 DELAY = 1.0
-"""Seconds of work before a bar is shown, as the program has it: shorter work would only flicker."""
+"""Seconds of work before a bar is shown, as in the program: for shorter work it would only flicker."""
 
 
 class Progress:
-    """A bar over the equations of a model; `wanted` None shows it where somebody looks."""
+    """A bar over the equations of a model; `wanted` None shows it at a terminal or in a notebook."""
 
     def __init__(self, targets: Sequence[str], wanted: bool | None) -> None:
         self._targets = targets
@@ -32,7 +32,7 @@ class Progress:
 
     @property
     def heard(self) -> Any:
-        """What the work calls with the place of an equation and words; None where nothing is shown."""
+        """The callback of the work, with the index of an equation and words; None if nothing is shown."""
         return self._show if self._shows else None
 
     def _show(self, place: int, words: str) -> None:
@@ -61,7 +61,7 @@ def _shows(wanted: bool | None) -> bool:
 
 def _bar(*parts: Iterable[Any], **options: Any) -> Any:
     with warnings.catch_warnings():
-        # In a notebook without widgets tqdm draws a bar of text, and says so.
+        # In a notebook without widgets tqdm draws a text bar, and warns about it.
         warnings.simplefilter("ignore")
         import tqdm.auto
     return tqdm.auto.tqdm(*parts, leave=False, **options)

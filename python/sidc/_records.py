@@ -1,4 +1,4 @@
-"""Parts of the result document as Python has them: dicts whose entries are attributes too."""
+"""Parts of the result document in Python: dicts whose entries are also attributes."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any
 
 
 class Record(dict[str, Any]):
-    """A part of the result document. `record.target` is `record["target"]`, or None where the document leaves it out."""
+    """A part of the result document. `record.target` is `record["target"]`, or None if the document lacks it."""
 
     def __getattr__(self, name: str) -> Any:
         if name in self:
@@ -33,14 +33,14 @@ class Term(Record):
 
 
 class Reason(Record):
-    """A reason to distrust an equation, or why there is none."""
+    """A reason to distrust an equation, or why it was not found."""
 
     code: str
     text: str
 
 
 class Doubt(Reason):
-    """A reason with the equation that it concerns."""
+    """A reason with the equation it concerns."""
 
     target: str
 
@@ -65,7 +65,7 @@ class Equation(Record):
 
 
 class Unknown(Record):
-    """An unknown constant that was found."""
+    """An unknown constant with its estimate."""
 
     name: str
     run: str | None
@@ -75,7 +75,7 @@ class Unknown(Record):
 
 
 class Prediction(Record):
-    """How well the equations predict some time ahead; errors in the unit of each signal."""
+    """How well the equations predict over a horizon; errors are in the unit of each signal."""
 
     horizon: float
     unit: str
@@ -87,7 +87,7 @@ class Prediction(Record):
 
 
 class Verdict(Record):
-    """The three answers: is it the law, how far ahead does it predict, does it run freely."""
+    """Whether the equations are the law, how far ahead they predict, and whether they run freely."""
 
     law: str
     prediction: Prediction

@@ -1,15 +1,15 @@
-"""The report as a page to keep or to look at."""
+"""The report as a page to save or display."""
 
 from __future__ import annotations
 
 import os
 
 HEIGHT = 720
-"""Of the frame in a notebook, pixels: what a laptop's window shows."""
+"""Height of the frame in a notebook, pixels: what fits a laptop's screen."""
 
 
 class Report:
-    """One page of HTML without network access; as text it is the page."""
+    """One page of HTML without network access; str() gives its text."""
 
     def __init__(self, page: str) -> None:
         self._page = page
@@ -28,6 +28,6 @@ class Report:
     def _repr_html_(self) -> str:
         import html
 
-        # The page has styles and a script of its own, which must not reach the notebook.
+        # The page has its own styles and script, which must not affect the notebook.
         page = html.escape(self._page, quote=True)
         return f'<iframe srcdoc="{page}" style="width: 100%; height: {HEIGHT}px; border: 0"></iframe>'

@@ -1,4 +1,4 @@
-"""What was found."""
+"""Results of identification."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 class Result:
     """The equations of a system with their evidence.
 
-    As text it is the answer that the program prints; in a notebook equations, verdict and coefficients are typeset.
+    str() gives the answer that the program prints; a notebook shows equations, verdict and coefficients typeset.
     """
 
     def __init__(self, native: _sidc.Discovery, measured: Measured | None = None) -> None:
@@ -32,16 +32,16 @@ class Result:
 
     @staticmethod
     def from_json(text: str) -> Result:
-        """Reads a result document, that of `to_json` or of `sidc identify -o`."""
+        """Reads a result document, from `to_json` or `sidc identify -o`."""
         return Result(_sidc.Discovery.from_json(text))
 
     def to_json(self) -> str:
-        """The result document (docs/command-line.md): what the program writes; arrays are no files and have no hash."""
+        """The result document (docs/command-line.md) that the program writes; arrays are not files and have no hash."""
         return self._native.to_json()
 
     @cached_property
     def document(self) -> Record:
-        """The result document as it is, all that is known."""
+        """The complete result document."""
         document: Record = _records.records(json.loads(self.to_json()))
         return document
 
@@ -57,7 +57,7 @@ class Result:
 
     @cached_property
     def failed(self) -> list[Record]:
-        """The equations that were asked for and not found: `target` and `reasons`."""
+        """The equations that were asked for but not found: `target` and `reasons`."""
         return list(self.document["failed"])
 
     @cached_property
@@ -68,13 +68,13 @@ class Result:
 
     @cached_property
     def verdict(self) -> Verdict | None:
-        """Whether it is the law, how far ahead it predicts, whether it runs freely; None in documents of earlier programs."""
+        """Whether the equations are the law, how far ahead they predict, and whether they run freely; None in documents of earlier versions."""
         found = self.document.get("verdict")
         return None if found is None else _records.verdict(found)
 
     @cached_property
     def unknowns(self) -> list[Unknown]:
-        """The unknown constants of the model with their values."""
+        """The unknown constants of the model with their estimates."""
         return [Unknown(entry) for entry in self.document.get("unknowns", [])]
 
     def simulate(
@@ -85,10 +85,10 @@ class Result:
         params: Mapping[str, Any] | None = None,
         time_limit: float | None = None,
     ) -> Any:
-        """Runs the equations along a table from its first row, under its inputs: a `Run`; a list of them for a list of tables.
+        """Runs the equations along a table from its first row, under its inputs. Returns a `Run`, or a list of them for a list of tables.
 
-        `start` gives initial values by name; a table of times and inputs is enough where all are given. Raises `Error` where data lack
-        what a run needs. A run that ends early is no error: see `Run.fault`.
+        `start` gives initial values by name; if all are given, a table of times and inputs suffices. Raises `Error` if data are missing
+        that a run needs. A run that ends early is not an error: see `Run.fault`.
         """
         measured = Measured.of(data, params)
         with measured.explained():
@@ -99,23 +99,23 @@ class Result:
     def score(self, data: Any, *, horizon: float | None = None, params: Mapping[str, Any] | None = None) -> Prediction:
         """How well the equations predict `horizon` seconds (samples in discrete time) ahead along these data.
 
-        Each start has a state fitted to the readings before it. `signals` has for each signal its `error` at the horizon (`rms`, and
-        `quantile_90`, which 90 % of the starts stay within), that of keeping the value (`no_change`), and that of a linear model
+        Each start has a state fitted to the readings before it. For each signal, `signals` has its `error` at the horizon (`rms`, and
+        `quantile_90`, the bound for 90 % of the starts), that of keeping the value constant (`no_change`), and that of a linear model
         fitted to these data (`linear`). Without a horizon the data decide.
         """
         measured = Measured.of(data, params)
         with measured.explained():
             found = json.loads(self._native.predict(measured.native, horizon))
-        # Whether these data are those used is known to who calls.
+        # Only the caller knows whether these data were used for identification.
         found.pop("on", None)
         return Prediction(_records.records(found))
 
     def export(self, target: str) -> str:
-        """The equations in another language, by the names that `sidc list` gives: `rust`, `c`, `python`, `casadi`, `modelica`, …"""
+        """The equations in another language, by the names in `sidc list`: `rust`, `c`, `python`, `casadi`, `modelica`, …"""
         return self._native.export(target)
 
     def export_bytes(self, target: str) -> bytes:
-        """The same as the bytes of a file, for `fmi` too, whose file is binary: `Path("pendulum.fmu").write_bytes(result.export_bytes("fmi"))`."""
+        """As the bytes of a file, also for binary targets such as `fmi`: `Path("pendulum.fmu").write_bytes(result.export_bytes("fmi"))`."""
         return self._native.export_bytes(target)
 
     def function(self) -> Function:
@@ -123,7 +123,7 @@ class Result:
         return Function(self._native)
 
     def to_sympy(self) -> list[Any]:
-        """The equations as they were found: a `sympy.Eq` for each derivative, next value or output."""
+        """The equations as found: a `sympy.Eq` for each derivative, next value or output."""
         import sympy
 
         names: dict[str, Any] = {}
@@ -134,9 +134,9 @@ class Result:
         return [sympy.Eq(left, right, evaluate=False) for left, right in sides]
 
     def report(self, path: str | os.PathLike[str] | None = None, data: Any = None) -> Report:
-        """The result as one page of HTML with runs along `data`, by default those that the equations were found from.
+        """The result as a page of HTML, with runs along `data`, by default the data that the equations were found from.
 
-        Written to `path` if there is one; in a notebook it is shown in a frame.
+        Written to `path` if one is given; a notebook shows it in a frame.
         """
         page = Report(self._native.report(self._along(data).native))
         if path is not None:
@@ -144,7 +144,7 @@ class Result:
         return page
 
     def plot(self, data: Any = None) -> Figure:
-        """Measured against simulated along `data`, by default those that the equations were found from; needs matplotlib."""
+        """Plots measurements and simulation along `data`, by default the data that the equations were found from; needs matplotlib."""
         from ._plots import measured_against_simulated
 
         return measured_against_simulated(self.simulate(self._along(data)))

@@ -1,4 +1,4 @@
-"""The equations as a function, for integrators of others."""
+"""The equations as a function, for other integrators."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ class Function:
         f = result.function()
         solve_ivp(f, (0, 10), y0, jac=f.jacobian, args=(u,))
 
-    `y` has shape (n,), or (n, k) for k points, and so has the result. `u` has shape (m,), or (m, k), or is a function of time that
-    gives it. Numbers are inputs as they act; of a function of time each input is taken so long ago as the model delays it. A value
-    that the equations do not have is NaN.
+    `y` has shape (n,), or (n, k) for k points, and so has the result. `u` has shape (m,) or (m, k), or is a function of time that
+    returns it. Arrays are taken as delayed already; a function of time is evaluated with the model's delay of each input. NaN
+    marks a point where the equations have no value.
     """
 
     def __init__(self, found: _sidc.Discovery) -> None:
@@ -32,16 +32,16 @@ class Function:
 
     @property
     def states(self) -> list[str]:
-        """Names of the n components of y."""
+        """The names of the n components of y."""
         return self._native.states
 
     @property
     def inputs(self) -> list[str]:
-        """Names of the m components of u: inputs, parameters and lagged samples that the equations mention."""
+        """The names of the m components of u: inputs, parameters and lagged samples that the equations mention."""
         return self._native.inputs
 
     def __call__(self, t: float | ArrayLike, y: ArrayLike, u: Inputs | None = None) -> NDArray[float64]:
-        """f at y, of its shape."""
+        """f at y, in the shape of y."""
         return self._native.rates(*self._arguments(t, y, u))
 
     def jacobian(self, t: float | ArrayLike, y: ArrayLike, u: Inputs | None = None) -> NDArray[float64]:
@@ -66,7 +66,7 @@ class Function:
         return time, np.require(y, np.float64, "A"), given
 
     def _acting(self, u: Callable[[float], ArrayLike], t: Any) -> ArrayLike:
-        """The inputs as they act at a time."""
+        """The delayed inputs at a time."""
         if not any(self._delays):
             return u(t)
         import numpy as np
@@ -75,5 +75,5 @@ class Function:
 
 
 def _of_document(text: str) -> Function:
-    """The equations of a result document, in the process that a function was sent to."""
+    """Restores the function from a result document in another process."""
     return Function(_sidc.Discovery.from_json(text))

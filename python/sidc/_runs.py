@@ -1,4 +1,4 @@
-"""Free runs: what is simulated along a record."""
+"""Free runs: signals simulated along a record."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ if TYPE_CHECKING:
 class Run(dict[str, "NDArray[float64]"]):
     """One record, simulated from its first row under its inputs: time `t`, states, highest derivatives and outputs by name.
 
-    All arrays have one length; NaN stands where the run had ended. `pandas.DataFrame(run)` is its table.
+    All arrays have the same length, with NaN after the run ended. `pandas.DataFrame(run)` makes it a table.
     """
 
     name: str
-    """The record."""
+    """The name of the record."""
 
     measured: dict[str, NDArray[float64]]
-    """Readings of the signals that are simulated, at the same times; NaN where one is missing."""
+    """Readings of the simulated signals at the same times; NaN if missing."""
 
     scores: list[Record]
-    """For each signal that is simulated and measured: `signal`, `rows` compared, `mse`, `fit` in per cent, `r_squared`."""
+    """For each signal that is both simulated and measured: `signal`, `rows` compared, `mse`, `fit` in per cent, `r_squared`."""
 
     fault: str | None
-    """What ended the run early, and where; None if it went through."""
+    """What ended the run early, and where; None if it ran to the end."""
 
     def __init__(self, simulated: tuple[str, Any, Any, Any, str | None]) -> None:
         self.name, columns, measured, scores, self.fault = simulated

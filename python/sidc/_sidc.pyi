@@ -23,7 +23,7 @@ class Data:
 
 @final
 class Options:
-    """How to look for equations."""
+    """How to search for equations."""
 
     def __new__(cls) -> Options: ...
     def noise(self, signal: str, floor: float, share: float) -> None: ...

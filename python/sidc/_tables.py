@@ -1,7 +1,7 @@
 """Tables of all kinds -> named columns of numbers.
 
-In: a dict of arrays, a structured array, a frame of pandas, polars, pyarrow or dask, anything with the Arrow C stream or the
-interchange protocol. Out: arrays of float64, NaN where a value is missing. Numbers that are float64 already are not copied here.
+In: a dict of arrays, a structured array, a pandas, polars, pyarrow or dask frame, anything with the Arrow C stream or the
+interchange protocol. Out: float64 arrays, with NaN for missing values. Arrays that are already float64 are not copied here.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 TIME = "t"
-"""The column that models read times from unless their data block says otherwise."""
+"""The column that models read times from by default."""
 
 
 def runs(data: Any) -> list[Any]:
-    """The tables of one run or of several."""
+    """The tables of one or several runs."""
     return list(data) if isinstance(data, (list, tuple)) else [data]
 
 
 def columns(table: Any) -> tuple[list[tuple[str, NDArray[float64]]], list[str]]:
-    """The columns of numbers by name, and the names of the columns that hold something else."""
+    """The numeric columns by name, and the names of the other columns."""
     numbers: list[tuple[str, NDArray[float64]]] = []
     others: list[str] = []
     for name, values in _named(_computed(table)):
@@ -37,9 +37,9 @@ def columns(table: Any) -> tuple[list[tuple[str, NDArray[float64]]], list[str]]:
 
 
 def _computed(table: Any) -> Any:
-    """The table itself, where it is one that is not computed yet (dask, polars)."""
+    """The table itself; lazy tables (dask, polars) are computed."""
     for ends in ("compute", "collect"):
-        # Of the type: a lazy frame of polars computes its columns when it is asked for them.
+        # The type is checked, because a lazy polars frame computes its columns when they are accessed.
         if hasattr(type(table), "columns") and hasattr(table, ends):
             return getattr(table, ends)()
     return table
@@ -67,7 +67,7 @@ def _named(table: Any) -> Iterator[tuple[str, Any]]:
 
 
 def _by_protocol(table: Any, routes: Sequence[tuple[str, str]]) -> Any:
-    """The table in a package that reads its protocol: one that is loaded, else one that is installed."""
+    """The table in a package that supports its protocol: preferably one already loaded, else one that is installed."""
     import importlib
 
     ready = sorted(routes, key=lambda route: route[0].partition(".")[0] not in sys.modules)
@@ -81,7 +81,7 @@ def _by_protocol(table: Any, routes: Sequence[tuple[str, str]]) -> Any:
 
 
 def _of_pandas(frame: Any) -> Iterator[tuple[str, Any]]:
-    """The index, where it is one of times or has a name, then the columns."""
+    """The index, if it has times or a name, then the columns."""
     taken = {str(name) for name in frame.columns}
     levels = [frame.index.get_level_values(k) for k in range(frame.index.nlevels)]
     for level in levels:
@@ -98,7 +98,7 @@ def _of_pandas(frame: Any) -> Iterator[tuple[str, Any]]:
 
 
 def _numbers(values: Any) -> NDArray[float64] | None:
-    """Values as float64; times of day as seconds from the first; None where they are neither."""
+    """Values as float64, dates and times as seconds from the first; None if they are neither."""
     import numpy as np
 
     array = _array(values)
@@ -106,7 +106,7 @@ def _numbers(values: Any) -> NDArray[float64] | None:
         raise ValueError(f"a column has one value for each row, not the shape {array.shape}")
     kind = array.dtype.kind
     if kind in "fiub":
-        # Buffers that came over a wire may start anywhere.
+        # Buffers received over a network may be unaligned.
         return np.require(array, np.float64, "A")
     if kind == "M":
         known = array[~np.isnat(array)]
@@ -127,10 +127,10 @@ def _array(values: Any) -> NDArray[Any]:
 
     kind = getattr(getattr(values, "dtype", None), "kind", "")
     if hasattr(values, "array") and kind in tuple("fiub"):
-        # A series of pandas, whose missing integers are no numbers of numpy.
+        # A pandas series; NumPy has no missing integers.
         return np.asarray(values.to_numpy(dtype="float64", na_value=np.nan))
     if hasattr(values, "array") and kind == "M":
-        # With a zone or without one.
+        # With or without a time zone.
         return np.asarray(values.to_numpy(dtype="datetime64[ns]"))
     if hasattr(values, "combine_chunks"):
         return np.asarray(values.to_numpy())
@@ -140,7 +140,7 @@ def _array(values: Any) -> NDArray[Any]:
 
 
 def _unmasked(values: Any) -> NDArray[Any]:
-    """NaN, NaT or None where a value is masked."""
+    """Replaces masked values by NaN, NaT or None."""
     import numpy as np
 
     kind = values.dtype.kind
@@ -158,7 +158,7 @@ def times(values: Any) -> NDArray[float64]:
 
 
 def matrix(values: Any) -> NDArray[float64]:
-    """Rows of numbers, a column for each signal; NaN where a value is missing."""
+    """An array with rows of numbers and a column for each signal; NaN for missing values."""
     import numpy as np
 
     if hasattr(values, "toarray"):
@@ -171,7 +171,7 @@ def matrix(values: Any) -> NDArray[float64]:
 
 
 def index_times(table: Any) -> NDArray[float64] | None:
-    """The times of a frame of pandas whose index has them."""
+    """The times in the index of a pandas frame, if it has any."""
     index: Any = getattr(table, "index", None)
     is_time = hasattr(table, "iloc") and getattr(index, "nlevels", 2) == 1 and index.dtype.kind in "fmM"
     return times(index) if is_time else None

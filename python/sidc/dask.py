@@ -1,11 +1,11 @@
-"""Work spread over machines by Dask: tables whose partitions are reduced where they are, and fleets of records.
+"""Work distributed by Dask: tables whose partitions are reduced where they are, and fleets of records.
 
 >>> import dask.dataframe as dd, sidc.dask                                        # doctest: +SKIP
 >>> frame = dd.read_parquet("s3://rig/2026/*.parquet")                            # doctest: +SKIP
 >>> result = sidc.dask.identify(sidc.read("rig.sid"), frame, holdout=0.1)         # doctest: +SKIP
 
-Work goes to the scheduler that Dask has: that of a `distributed.Client`, else threads of this process. What a dead worker had is
-done again by the others.
+Work goes to Dask's scheduler: that of a `distributed.Client`, else threads of this process. Work lost with a worker is repeated by the
+others.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ from ._result import Result
 __all__ = ["Fleet", "identify", "identify_each", "identify_fleet"]
 
 GROUP = 8
-"""Records of a fleet that are identified together: one answer takes seconds, and a group that cannot be followed spoils little."""
+"""Records of a fleet that are identified together: a result takes seconds, and a group that fails affects few records."""
 
 FAN_IN = 8
 """Parts merged by one task."""
 
 Packed = tuple[str, list[tuple[Columns, "Columns | None"]]]
-"""Reduced rows as text, and stretches looked at closely with those held out: what goes from worker to worker."""
+"""Reduced rows as text, and the kept stretches with held-out ones: what is sent between workers."""
 
 
 def identify(
@@ -48,9 +48,9 @@ def identify(
     time_limit: float | None = None,
     progress: bool | None = None,
 ) -> Result:
-    """Finds the equations of a Dask DataFrame, a partition at a time on the workers.
+    """Finds the equations of a Dask DataFrame, one partition at a time on the workers.
 
-    `frame` is a DataFrame of Dask, or a list of delayed tables. Everything else is as in `Model.identify_parts`: partitions are the parts.
+    `frame` is a Dask DataFrame, or a list of delayed tables. Everything else is as in `Model.identify_parts`, with partitions as parts.
     """
     options, reducer = model._reducer(look_at, holdout, noise, params, horizon, good)
     partitions = list(frame.to_delayed()) if hasattr(frame, "to_delayed") else list(frame)
@@ -71,10 +71,10 @@ def identify(
 
 
 def identify_each(model: Model, records: Iterable[Any], **options: Any) -> list[Result | Error]:
-    """A law for each record, on the workers. A record is a table, a delayed one, the path of a file that the workers can open, or a
-    list of these, which are runs of one system.
+    """A law for each record, found on the workers. A record is a table, a delayed table, the path of a file that the workers can open, or
+    a list of these, which are runs of one system.
 
-    The options are those of `Model.identify`. A record that cannot be identified has the `Error` that says why in its place.
+    The options are those of `Model.identify`. A record that cannot be identified is represented by its `Error`.
     """
     one = dask.delayed(_identify)
     found = dask.compute(*(one(model, record, options) for record in records))
@@ -82,11 +82,11 @@ def identify_each(model: Model, records: Iterable[Any], **options: Any) -> list[
 
 
 def identify_fleet(model: Model, records: Iterable[Any], *, group: int = GROUP, **options: Any) -> Fleet:
-    """One law for all records, on the workers, with the joint method where readings are noisy.
+    """One law for all records, found on the workers, by the joint method if readings are noisy.
 
-    Groups of records are identified as the runs of one system. The terms that more than half of the groups found are the law's; with
-    these alone every group is identified again, and each coefficient is the mean of the groups, weighted by inverse variance. Whether
-    it differs between them by more than its errors is tested. What holds for `identify_each` holds for the groups.
+    Groups of records are identified as runs of one system. The law has the terms found in more than half of the groups. With these terms
+    every group is identified again, and each coefficient is the mean over the groups, weighted by inverse variance. It is tested whether
+    a coefficient differs between groups by more than its errors. Otherwise groups are treated like records in `identify_each`.
     """
     all_records = list(records)
     if not all_records or group < 1:
@@ -111,7 +111,7 @@ def _reduce(reducer: Reducer, table: Any, parts: int, keeps: bool) -> Packed | N
 
 
 def _merge(parts: list[Packed | None]) -> Packed | None:
-    """In their order, so that the same partitions give the same digits. Those without rows are left out."""
+    """Merges in order, so that the same partitions give the same digits. Empty partitions are skipped."""
     filled = [part for part in parts if part is not None]
     if not filled:
         return None

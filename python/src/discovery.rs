@@ -1,4 +1,4 @@
-//! What was found.
+//! The result of an identification.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::watching::{Watch, watched};
 /// Columns by name.
 type Columns<'py> = Vec<(String, Bound<'py, PyArray1<f64>>)>;
 
-/// Name, columns simulated and measured, scores (signal, rows, mse, fit, r_squared) and what ended it early.
+/// Name, simulated and measured columns, scores (signal, rows, mse, fit, r_squared), and what ended it early.
 type Run<'py> = (
     String,
     Columns<'py>,
@@ -66,7 +66,7 @@ impl Discovery {
         self.inner.to_string()
     }
 
-    /// Equations, verdict and coefficients as a part of a page.
+    /// Equations, verdict and coefficients as an HTML fragment.
     fn html(&self) -> String {
         self.inner.html()
     }
@@ -77,7 +77,7 @@ impl Discovery {
         written.map_err(|e| raised(py, &e))
     }
 
-    /// The same as the bytes of a file, for targets whose files are binary too.
+    /// The equations in another language as the bytes of a file; also for targets with binary files.
     fn export_bytes(&self, py: Python<'_>, target: &str) -> PyResult<Vec<u8>> {
         let written = sidc::Target::named(target).and_then(|t| self.inner.export_bytes(t));
         written.map_err(|e| raised(py, &e))
@@ -89,7 +89,7 @@ impl Discovery {
         found.map(RightSide::new).map_err(|e| raised(py, &e))
     }
 
-    /// Runs the equations along every record: a tuple for each.
+    /// Runs the equations along every record. Returns a tuple for each.
     #[pyo3(signature = (data, start, time_limit=None))]
     fn simulate<'py>(
         &self,
@@ -111,7 +111,7 @@ impl Discovery {
         Ok(runs.map(|run| as_tuple(py, run)).collect())
     }
 
-    /// How well the equations predict so far ahead: that part of the document, as JSON.
+    /// How well the equations predict over a horizon: that part of the document, as JSON.
     #[pyo3(signature = (data, horizon=None))]
     fn predict(&self, py: Python<'_>, data: &Data, horizon: Option<f64>) -> PyResult<String> {
         let (found, data) = (self.inner.clone(), data.inner.clone());
@@ -122,7 +122,7 @@ impl Discovery {
         serde_json::to_string(&predicted).map_err(|e| PyRuntimeError::new_err(e.to_string()))
     }
 
-    /// One page of HTML with runs along these data.
+    /// A page of HTML with runs along these data.
     fn report(&self, py: Python<'_>, data: &Data) -> PyResult<String> {
         let (found, data) = (self.inner.clone(), data.inner.clone());
         let page = watched(py, Watch::default(), move |observer| {

@@ -1,4 +1,4 @@
-//! What is given: data as arrays, options. Each method is that of the library with the same name.
+//! Inputs: data as arrays, and options. Each method corresponds to that of the library with the same name.
 
 use std::mem::take;
 use std::sync::Arc;
@@ -14,12 +14,12 @@ use crate::watching::{Watch, watched};
 #[pyclass(module = "sidc._sidc")]
 #[derive(Default)]
 pub struct Data {
-    /// Shared with the work on it, so that arrays are copied once.
+    /// Shared with running work, so that arrays are copied only once.
     pub inner: Arc<sidc::Data>,
 }
 
 impl Data {
-    /// The data themselves, to be put back; a copy where work on them goes on.
+    /// Takes the data out, to be put back; copies them while work uses them.
     fn take(&mut self) -> sidc::Data {
         Arc::unwrap_or_clone(take(&mut self.inner))
     }
@@ -32,7 +32,7 @@ impl Data {
         Data::default()
     }
 
-    /// Adds a record with a name of its own: columns are pairs of a name and M values, NaN where one is missing.
+    /// Adds a named record: columns are pairs of a name and M values, NaN if missing.
     fn run(
         &mut self,
         py: Python<'_>,
@@ -56,12 +56,12 @@ impl Data {
         Ok(())
     }
 
-    /// What of the files is not in their tables.
+    /// What the files contain that the tables do not.
     fn notes(&self) -> Vec<String> {
         self.inner.notes().to_vec()
     }
 
-    /// Sets a parameter that the model declares: one value for all records, or one for each.
+    /// Sets a parameter that the model declares: one value for all records, or one per record.
     fn param(&mut self, name: &str, values: Vec<f64>) {
         self.inner = Arc::new(self.take().param(name, values));
     }
@@ -72,7 +72,7 @@ impl Data {
     }
 }
 
-/// How to look for equations.
+/// How to search for equations.
 #[pyclass(module = "sidc._sidc")]
 #[derive(Default)]
 pub struct Options {
@@ -102,7 +102,7 @@ impl Options {
         Options::default()
     }
 
-    /// Noise of a signal: its standard deviation is sqrt(floor² + (share · value)²).
+    /// Noise of a signal, with standard deviation sqrt(floor² + (share · value)²).
     fn noise(&mut self, signal: &str, floor: f64, share: f64) {
         self.change(|o| match share == 0.0 {
             true => o.noise(signal, floor),
@@ -135,7 +135,7 @@ impl Options {
         self.change(|o| o.horizon(ahead));
     }
 
-    /// The largest error of predictions, as a part of each signal's spread.
+    /// The largest error of predictions, as a fraction of each signal's spread.
     fn good(&mut self, part: f64) {
         self.change(|o| o.good(part));
     }
@@ -145,7 +145,7 @@ impl Options {
         self.change(|o| o.good_signal(signal, error));
     }
 
-    /// What equations are found from, by name.
+    /// How equations are found, by name.
     fn method(&mut self, py: Python<'_>, name: &str) -> PyResult<()> {
         self.try_change(py, |o| o.method_named(name))
     }
@@ -155,7 +155,7 @@ impl Options {
         self.try_change(py, |o| o.solver(name))
     }
 
-    /// Uses so many rows, drawn at random.
+    /// Uses this many random rows.
     fn samples(&mut self, rows: usize, seed: u64) {
         self.change(|o| o.samples(rows, seed));
     }
@@ -165,12 +165,12 @@ impl Options {
         self.change(|o| o.seed(seed));
     }
 
-    /// Most bytes that the values of one library may take.
+    /// Largest number of bytes that the values of one library may take.
     fn memory(&mut self, bytes: u64) {
         self.change(|o| o.memory(bytes));
     }
 
-    /// Gives outliers no weight.
+    /// Rejects outliers.
     fn robust(&mut self) {
         self.change(sidc::Options::robust);
     }
@@ -180,12 +180,12 @@ impl Options {
         self.change(sidc::Options::path);
     }
 
-    /// Looks for the sparsest equation, with a proof.
+    /// Searches for the sparsest equation, with a proof.
     fn prove_sparsest(&mut self) {
         self.change(sidc::Options::prove_sparsest);
     }
 
-    /// Checks every equation and its proof once more, in 106 bits.
+    /// Checks every equation and its certificate again, in 106-bit arithmetic.
     fn verify(&mut self) {
         self.change(sidc::Options::verify);
     }

@@ -1,7 +1,7 @@
-//! Crate `sidc` as the native half of the Python module `sidc`: one class for each type of the library, arrays of numpy for its slices.
+//! Crate `sidc` as the native half of the Python module `sidc`: one class per type of the library, NumPy arrays for its slices.
 //!
-//! In: texts, names, arrays. Out: documents, pages, arrays. What Python says as well stays in `sidc/*.py`: tables, reprs, plots, the
-//! conventions of other packages.
+//! In: texts, names, arrays. Out: documents, pages, arrays. What Python can do itself is in `sidc/*.py`: tables, reprs, plots, the conventions of other
+//! packages.
 
 mod discovery;
 mod inputs;

@@ -18,7 +18,7 @@ pub struct Model {
 
 #[pymethods]
 impl Model {
-    /// `read` gives the text of a file that the model includes.
+    /// `read` gives the text of an included file.
     #[new]
     #[pyo3(signature = (text, name, read=None))]
     fn new(
@@ -43,22 +43,22 @@ impl Model {
         self.inner.targets()
     }
 
-    /// How many terms are candidates for an equation; None if nothing is looked for there.
+    /// The number of candidate terms of an equation; None if that equation is not searched for.
     fn candidates(&self, target: &str) -> Option<usize> {
         self.inner.candidates(target)
     }
 
-    /// The terms that are candidates for an equation; None if nothing is looked for there.
+    /// The candidate terms of an equation; None if that equation is not searched for.
     fn candidate_terms(&self, target: &str) -> Option<Vec<String>> {
         self.inner.candidate_terms(target).map(Iterator::collect)
     }
 
-    /// The text, with that of the files that it includes.
+    /// The text, with included files inlined.
     fn text(&self) -> &str {
         self.inner.text()
     }
 
-    /// The text of the model with other libraries, listed by target.
+    /// The text of the model with libraries replaced by these terms, by target.
     fn with_terms(
         &self,
         py: Python<'_>,
@@ -75,7 +75,7 @@ impl Model {
         Ok(narrow.text().to_string())
     }
 
-    /// The words that libraries are written with, beside names of signals.
+    /// The names of functions and generators that a library may use.
     #[staticmethod]
     fn vocabulary() -> Vec<&'static str> {
         sidc::Model::vocabulary()
@@ -86,7 +86,7 @@ impl Model {
         self.inner.warnings()
     }
 
-    /// Finds the equations. `heard(place, words)` is told now and then which equation is worked on.
+    /// Finds the equations. `heard(place, words)` is called from time to time with the index of the current equation.
     #[pyo3(signature = (data, options, time_limit=None, proof_limit=None, heard=None))]
     fn identify(
         &self,
@@ -112,7 +112,7 @@ impl Model {
         Ok(Discovery::new(found))
     }
 
-    /// Reduces the rows of a part of a table.
+    /// Reduces the rows of one part of a table.
     fn reduce(&self, py: Python<'_>, part: &Data, options: &Options) -> PyResult<Reduced> {
         let (model, part) = (self.inner.clone(), part.inner.clone());
         let options = options.inner.clone();
@@ -121,7 +121,7 @@ impl Model {
         Ok(Reduced { inner })
     }
 
-    /// Finds the equations of reduced rows; the data are those looked at closely.
+    /// Finds the equations of reduced rows; `data` has the rows that are searched.
     #[pyo3(signature = (reduced, data, options, time_limit=None, heard=None))]
     fn identify_reduced(
         &self,

@@ -1,10 +1,10 @@
-//! Errors of the library as exceptions of Python.
+//! Errors of the library as Python exceptions.
 
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyType;
 
-/// `sidc.Error` of the text that the program prints, with the kind of the fault and its stable codes.
+/// An instance of `sidc.Error` with the text that the program prints, the kind of the fault and its stable codes.
 pub fn raised(py: Python<'_>, error: &sidc::Error) -> PyErr {
     static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
     let kind = format!("{:?}", error.kind()).to_lowercase();

@@ -17,22 +17,22 @@ impl Reduced {
         self.inner.merge(&other.inner).map_err(|e| raised(py, &e))
     }
 
-    /// How many rows there are.
+    /// The largest number of rows of an equation.
     fn rows(&self) -> usize {
         self.inner.rows()
     }
 
-    /// How many parts were merged.
+    /// The number of parts merged.
     fn parts(&self) -> usize {
         self.inner.parts()
     }
 
-    /// As text.
+    /// As JSON text.
     fn to_json(&self, py: Python<'_>) -> PyResult<String> {
         self.inner.to_json().map_err(|e| raised(py, &e))
     }
 
-    /// Of the text of `to_json`.
+    /// Reads the text of `to_json`.
     #[staticmethod]
     fn from_json(py: Python<'_>, text: &str) -> PyResult<Reduced> {
         let inner = sidc::Reduced::from_json(text).map_err(|e| raised(py, &e))?;

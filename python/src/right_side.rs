@@ -1,4 +1,4 @@
-//! The right side of the equations for integrators: at one point, or at one in each column.
+//! The right side of the equations for integrators: at one point, or at several in columns.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -25,7 +25,7 @@ enum Times<'py> {
 
 impl<'py> Times<'py> {
     fn new(t: &Bound<'py, PyAny>) -> PyResult<Times<'py>> {
-        // A float is asked for first, because a failure that nobody hears of takes longer than f; an array of one value is a number too.
+        // A float is tried first, because a failed extraction takes longer than f, even if its error is ignored. An array of one value can be a number too.
         if let Ok(t) = t.cast::<PyFloat>() {
             return Ok(Times::One(t.value()));
         }
@@ -36,20 +36,20 @@ impl<'py> Times<'py> {
     }
 }
 
-/// A function of the library: what it computes at one point goes into its last argument.
+/// A function of the library that writes its values at a point to the last argument.
 type AtPoint = fn(&mut sidc::RightSide, f64, &[f64], &[f64], &mut [f64]);
 
-/// Points, the values of each together.
+/// Points, with the values of each stored together.
 struct Points {
     values: Vec<f64>,
-    /// Values of a point.
+    /// Number of values per point.
     size: usize,
-    /// How many there are; `None` for one that stands for all.
+    /// Number of points; `None` for one point that is used throughout.
     count: Option<usize>,
 }
 
 impl Points {
-    /// Points in columns, or one without columns; `names` are those of the rows, `what` is for the message.
+    /// Points in columns, or a single point; `names` are those of the rows, and messages use `what`.
     fn new(given: &ArrayViewD<f64>, names: &[String], what: &str) -> PyResult<Points> {
         let n = names.len();
         let count = match given.shape() {
@@ -86,7 +86,7 @@ impl RightSide {
         }
     }
 
-    /// `size` values at each point, one point after another, and how many points there are; `None` for one.
+    /// `size` values at each point, stored point by point, and the number of points; `None` for a single one.
     fn at_points(
         &self,
         t: &Times,
@@ -120,13 +120,13 @@ impl RightSide {
 
 #[pymethods]
 impl RightSide {
-    /// Names of the components of x.
+    /// The names of the components of x.
     #[getter]
     fn states(&self) -> Vec<String> {
         self.states.clone()
     }
 
-    /// Names of the components of u: inputs, parameters, lagged samples.
+    /// The names of the components of u: inputs, parameters, lagged samples.
     #[getter]
     fn inputs(&self) -> Vec<String> {
         self.inputs.clone()
@@ -138,7 +138,7 @@ impl RightSide {
         self.delays.clone()
     }
 
-    /// f at a point, n values, or at k points in columns, n by k; NaN where the equations have no value.
+    /// f at a point, n values, or at k points in columns, n by k; NaN if the equations have no value.
     #[pyo3(signature = (t, x, u=None))]
     fn rates<'py>(
         &self,

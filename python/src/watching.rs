@@ -1,7 +1,6 @@
-//! Work that takes long: without Python's lock, on a thread of its own, while the calling thread waits for it, for signals and for the
-//! time to be up.
+//! Long work: it runs without Python's lock on a thread of its own, while the calling thread waits for it, for signals and for the time limit.
 //!
-//! So Ctrl-C raises at once, however long a step of the work is. The work is told as well, and ends soon after.
+//! So Ctrl-C raises at once, even during a long step. The work is told as well, and ends soon after.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,31 +13,31 @@ use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use sidc::{Activity, Budget, Observer, Stage, Stop};
 
-/// Between two looks at signals. Ctrl-C is to be answered within half a second; a tenth of that goes unnoticed.
+/// Time between checks for signals. Ctrl-C must be answered within half a second; a tenth of that is not noticed.
 const PERIOD: Duration = Duration::from_millis(50);
 
-/// Stack of the thread, bytes: that of a main thread on Linux, for which the limits of nesting are made.
+/// Stack size of the thread in bytes: that of a main thread on Linux, which the limits of nesting assume.
 const STACK: usize = 8 << 20;
 
 /// How work is watched.
 #[derive(Default)]
 pub struct Watch {
-    /// Seconds after which it ends with what there is.
+    /// Seconds after which the work ends with what it has.
     pub time_limit: Option<f64>,
-    /// Seconds for the proofs of all equations together, and how many equations there are.
+    /// Seconds for the proofs of all equations together, and the number of equations.
     pub proofs: Option<(f64, usize)>,
-    /// Called with the place of the equation that is worked on, and words.
+    /// Called with the index of the current equation, and words.
     pub heard: Option<Py<PyAny>>,
 }
 
-/// What the working thread and the waiting one share.
+/// State shared by the working and the waiting thread.
 #[derive(Default)]
 struct Shared {
     interrupted: AtomicBool,
     at: Mutex<Option<(usize, &'static str)>>,
 }
 
-/// Tells the waiting thread what is done, and ends the work when it must.
+/// Tells the waiting thread what is done, and ends the work at a limit.
 struct Teller {
     shared: Arc<Shared>,
     limit: Option<(Instant, Duration)>,
@@ -65,7 +64,7 @@ impl Observer for Teller {
             return ControlFlow::Break(Stop::Interrupted);
         }
         if let Activity::Equation { place, stage } = activity {
-            // An equation leaves their part of the time to those after it.
+            // Each equation gets its share of the time, plus what earlier ones left over.
             let part = (place + 1) as f64 / self.equations.max(1) as f64;
             let proves = matches!(stage, Stage::Proving { .. });
             if let Some(stop) = self.proofs.spent(proves, part) {
@@ -81,7 +80,7 @@ impl Observer for Teller {
     }
 }
 
-/// The result of `work`; an exception that a signal raised in the meantime.
+/// Runs `work`. Returns its result, or the exception that a signal raised meanwhile.
 pub fn watched<T: Send + 'static>(
     py: Python<'_>,
     watch: Watch,
@@ -98,7 +97,7 @@ pub fn watched<T: Send + 'static>(
     };
     let (done, result) = mpsc::sync_channel(1);
     thread::Builder::new().stack_size(STACK).spawn(move || {
-        // Nobody waits any more after a signal.
+        // After a signal there is no receiver any more.
         let _ = done.send(work(&mut teller));
     })?;
     let result = Mutex::new(result);

@@ -1,4 +1,4 @@
-"""What the tests share: the checkout, the program, records of known systems."""
+"""Shared by the tests: the checkout, the program, records of known systems."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def root() -> Path:
 
 @pytest.fixture(scope="session")
 def program() -> Path:
-    """The program `sidc` of this checkout: $SIDC, else the newer of those that cargo has built."""
+    """The program `sidc` of this checkout: $SIDC, else the newest build."""
     given = os.environ.get("SIDC")
     built = [path for path in (ROOT / "target/release/sidc", ROOT / "target/debug/sidc") if path.exists()]
     if given is None and not built:

@@ -1,4 +1,4 @@
-"""Tables as strangers give them: masks, dates, frames in another order, parts without rows."""
+"""Unusual tables: masks, dates, reordered frames, parts without rows."""
 
 from __future__ import annotations
 

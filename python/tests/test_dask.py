@@ -1,4 +1,4 @@
-"""Partitions on the workers of Dask, one of which dies."""
+"""Partitions on Dask workers, one of which dies."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def test_a_frame_gives_the_answer_of_its_parts(client: Any, noisy: dict[str, np.
 
 @dask.delayed
 def dies_once(table: pd.DataFrame, left: Path) -> pd.DataFrame:
-    """A partition whose first worker is killed while it has it."""
+    """A partition that kills the first worker that gets it."""
     if not left.exists():
         left.touch()
         os.kill(os.getpid(), signal.SIGKILL)
@@ -74,7 +74,7 @@ def test_faults_of_a_partition_are_those_of_the_table(client: Any) -> None:
 
 
 def swing(length: float, seed: int) -> dict[str, np.ndarray]:
-    """A pendulum of this length with friction, its angle read to 5 mrad."""
+    """A pendulum of this length with friction, with its angle read to 5 mrad."""
     t = np.arange(0, 8, 0.02)
     start = 1.5 + 0.1 * (seed % 5)
     motion = solve_ivp(lambda _, s: (s[1], -9.81 / length * np.sin(s[0]) - 0.2 * s[1]), (0, 8), (start, 0), t_eval=t, rtol=1e-9, atol=1e-9)
@@ -93,7 +93,7 @@ def test_one_law_for_a_fleet(client: Any) -> None:
         assert abs(values[name].coefficient - truth) < 4 * values[name].standard_error < 0.01 * abs(truth)
         assert values[name].groups == 3 and values[name].p > 1e-3
     assert fleet.model.text.endswith("ddx ~ <dx, sin(x)>\n")
-    # What is simulated and exported has the coefficients of all.
+    # Simulation and export use the pooled coefficients.
     assert fleet.result.equations[0].coefficients == {name: term.coefficient for name, term in values.items()}
     assert str(fleet).startswith("ddx = -0.")
 

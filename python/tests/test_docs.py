@@ -1,4 +1,4 @@
-"""The examples of the documents run, in their order, and print what is shown below them."""
+"""The examples in the documentation run in order, and print the output shown below them."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def test_examples_print_what_is_shown(page: str, root: Path, tmp_path: Path, mon
         assert language == "python"
         said = io.StringIO()
         with contextlib.redirect_stdout(said), warnings.catch_warnings():
-            # PySINDy warns of its own dependencies.
+            # PySINDy warns about its own dependencies.
             warnings.simplefilter("ignore")
             exec(compile(text, page, "exec"), names)
         printed, shown = said.getvalue(), ""
@@ -39,7 +39,7 @@ def test_examples_print_what_is_shown(page: str, root: Path, tmp_path: Path, mon
 
 
 def comparable(text: str) -> str:
-    """Errors of exact data are rounding, which differs between processors."""
+    """Hides errors on exact data, which are rounding and differ between processors."""
     return re.sub(r"\b(below|linear) [-+.\de]+\d", r"\1 #", text)
 
 

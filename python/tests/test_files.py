@@ -1,4 +1,4 @@
-"""Files are tables: what other packages write is read to the last digit, by the module and by the program."""
+"""Files as tables: what other packages write is read to the last digit, by the module and by the program."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def arrow_of_polars(path: Path, table: dict[str, Any]) -> None:
 
 
 def mat73(open_file: Any, table: dict[str, Any]) -> None:
-    """As MATLAB's `save -v7.3` writes it: HDF5 behind 512 bytes of its own, rows and columns exchanged."""
+    """Like MATLAB's `save -v7.3`: HDF5 after a block of 512 bytes, with rows and columns exchanged."""
     path = open_file.name
     with h5py.File(path, "w", userblock_size=512) as file:
         rig = file.create_group("rig")
@@ -83,7 +83,7 @@ WRITERS = [mat73, feather, arrow_of_polars, npz, mat, parquet, of_polars, of_pan
 
 @pytest.mark.parametrize("write", WRITERS, ids=[write.__name__ for write in WRITERS])
 def test_a_file_is_the_table_that_was_written(write: Any, lorenz: dict[str, Any], root: Path, tmp_path: Path) -> None:
-    # A file's name is that of its record; this one has the name that a table gets.
+    # A record is named after its file; this file has the default name of a table.
     path = tmp_path / "run 1"
     with open(path, "wb") as file:
         write(file, lorenz)

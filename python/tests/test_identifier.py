@@ -1,4 +1,4 @@
-"""`Identifier` has the shapes of PySINDy and the conventions of scikit-learn."""
+"""`Identifier` uses the array shapes of PySINDy and the conventions of scikit-learn."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_several_trajectories(lorenz: Record) -> None:
     predicted = model.predict(parts)
     assert [rates.shape for rates in predicted] == [(600, 3), (600, 3)]
     assert model.score(parts, t=times) > 0.999
-    # The same with a step, and with times where PySINDy has them.
+    # The same with a step, and with times in PySINDy's position.
     assert model.fit(parts, t=0.005).score(parts, t=0.005) > 0.999
     assert model.fit(parts, times).score(parts, times) > 0.999
     assert model.fit(X, t).score(X, t) > 0.999
@@ -61,7 +61,7 @@ def test_inputs_are_named_after_the_states() -> None:
     u = np.sin(3 * t)
     x = np.zeros(800)
     for k in range(799):
-        # dx = -2 x + 5 u by the trapezoidal rule, far finer than the samples.
+        # dx = -2 x + 5 u by the trapezoidal rule, with steps much smaller than the sampling interval.
         fine = np.linspace(t[k], t[k + 1], 101)
         value = x[k]
         for a, b in zip(fine, fine[1:]):
@@ -90,10 +90,10 @@ def test_measured_derivatives_are_used(lorenz: Record) -> None:
     _, X = lorenz
     rows = np.random.default_rng(0).permutation(len(X))[:200]
     rates = np.transpose(lorenz_rates(0.0, X[rows].T))
-    # Rows in any order: nothing is differentiated.
+    # Rows may be in any order, because nothing is differentiated.
     model = sidc.Identifier("poly(x, y, z; 2)").fit(X[rows], x_dot=rates)
     assert model.score(X[rows], x_dot=rates) == pytest.approx(1)
-    # As scikit-learn has targets.
+    # As targets, like in scikit-learn.
     assert model.fit(X[rows], rates).score(X[rows], rates) == pytest.approx(1)
     with pytest.raises(ValueError, match=r"x_dot has the shape \(200, 2\), and X has \(200, 3\)"):
         model.fit(X[rows], x_dot=rates[:, :2])
@@ -148,7 +148,7 @@ def test_model_selection_of_scikit_learn(lorenz: Record) -> None:
     splits = TimeSeriesSplit(n_splits=2)
     scores = cross_val_score(sidc.Identifier("poly(x, y, z; 2)", t_default=0.005), X, cv=splits)
     assert min(scores) > 0.999
-    # A fold from the middle leaves a hole, which times tell.
+    # A fold from the middle leaves a gap, which the times show.
     folds = cross_val_score(sidc.Identifier("poly(x, y, z; 2)", t_default=0.005), X, params={"t": t}, cv=3)
     assert min(folds) > 0.999
     libraries = ["poly(x, y, z; 1)", "poly(x, y, z; 2)"]
@@ -162,7 +162,7 @@ def test_model_selection_of_scikit_learn(lorenz: Record) -> None:
 
 
 class OfStates(sidc.Identifier):
-    """Without targets: those of scikit-learn's checks are no derivatives of X."""
+    """Ignores targets: those in scikit-learn's checks are not derivatives of X."""
 
     def fit(self, X: Any, y: Any = None) -> OfStates:  # type: ignore[override]
         super().fit(X)
@@ -174,13 +174,13 @@ class OfStates(sidc.Identifier):
 
 def test_the_conventions_of_scikit_learn_hold() -> None:
     checks = check_estimator(OfStates(), on_skip=None, on_fail=None)
-    # Most of its samples are drawn at random and have no law, and without equations nothing is predicted.
+    # Most of its samples are random and follow no law, and nothing can be predicted without equations.
     wrong = [c for c in checks if c["status"] == "failed" and "no equation was found" not in str(c["exception"])]
     assert {c["check_name"] for c in wrong} == {
-        # Targets are left away here; `test_rows_that_do_not_fit_are_refused` has them.
+        # Targets are ignored here; `test_rows_that_do_not_fit_are_refused` covers them.
         "check_regressors_train",
         "check_supervised_y_no_nan",
-        # One column is one state, as PySINDy has it.
+        # One column is one state, as in PySINDy.
         "check_fit1d",
     }
     assert sum(c["status"] == "passed" for c in checks) >= 30

@@ -1,4 +1,4 @@
-"""The notebooks run, and those that lie in the checkout are the ones that `make.py` writes."""
+"""The notebooks run, and those in the checkout are the ones that `make.py` writes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def maker(root: Path) -> Any:
 
 @pytest.mark.parametrize("name", ["ten_minutes", "pendulum", "pysindy_tour", "fleet"])
 def test_notebooks_run_and_are_kept(name: str, root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    # The kernel chooses its own.
+    # The notebook kernel chooses its own backend.
     monkeypatch.delenv("MPLBACKEND", raising=False)
     folder = root / "python/examples"
     made = maker(root).run(name, folder)

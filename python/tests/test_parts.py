@@ -1,4 +1,4 @@
-"""Tables in parts: the answer of all rows, from one pass over them."""
+"""Tables in parts: the result for all rows, from one pass over them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ dx, dy, dz ~ poly(x, y, z; 2)
 
 @pytest.fixture(scope="session")
 def noisy() -> dict[str, np.ndarray]:
-    """20,000 rows of the Lorenz system, with measured rates that have an error of 0.01."""
+    """20,000 rows of the Lorenz system, with measured rates that have errors of 0.01."""
     t = np.arange(20_000) * 0.005
     states = solve_ivp(lorenz_rates, (t[0], t[-1]), [-8.0, 8.0, 27.0], t_eval=t, rtol=1e-9, atol=1e-9).y
     error = 0.01 * np.random.default_rng(3).normal(size=states.shape)
@@ -55,7 +55,7 @@ def test_the_coefficients_are_those_of_all_rows_in_memory(noisy: dict[str, np.nd
     assert list(own) == ["dx x", "dx y", "dy x", "dy y", "dy x*z", "dz z", "dz x*y"]
     for term, value in own.items():
         assert abs(value - in_memory[term]) < 1e-10 * abs(value), term
-    # And what numpy says of the rows.
+    # Compared with NumPy's least squares on the rows.
     x, y, z = table["x"], table["y"], table["z"]
     expected = np.linalg.lstsq(np.stack([x, y, x * z], axis=1), table["dy"], rcond=None)[0]
     np.testing.assert_allclose([own["dy x"], own["dy y"], own["dy x*z"]], expected, rtol=1e-10)

@@ -1,4 +1,4 @@
-"""The module answers what the program answers: the same document, byte for byte, but for what only the program knows."""
+"""The module gives the program's document byte for byte, except for what only the program knows."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ import sidc
 FILES = re.compile(r'    "files": \[.*?\n    \],\n', re.DOTALL)
 """The names and SHA-256 of the files that were read: arrays have none."""
 
-# Regression and joint estimates, inputs, discrete time, several runs, unknown constants, delays, data held out.
+# Regression and joint estimates, inputs, discrete time, several runs, unknown constants, delays, held-out data.
 CASES: list[tuple[str, list[str], dict[str, Any], list[str]]] = [
     ("lorenz", ["lorenz"], {}, []),
     ("duffing", ["duffing"], {"holdout": 0.25}, ["--holdout=25%"]),
@@ -36,7 +36,7 @@ def test_the_document_is_that_of_the_program(
     tables = []
     for place, name in enumerate(data):
         source = root / "models/data" / f"{name}.csv"
-        # A record is called by its file; here it has the name that a table gets.
+        # A record is named after its file; here that is the default name of a table.
         shutil.copy(source, tmp_path / f"run {place + 1}")
         tables.append(csv(source))
     files = [f"run {place + 1}" for place in range(len(data))]
@@ -48,7 +48,7 @@ def test_the_document_is_that_of_the_program(
     expected, removed = FILES.subn("", written.read_text(encoding="utf-8"))
     assert removed == 1
     assert result.to_json() == expected
-    # The program prints the same answer, with the rows above and the next step below.
+    # The program prints the same answer, with the rows before it and the next step after it.
     assert str(result) in done.stdout
 
 

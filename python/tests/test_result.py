@@ -1,4 +1,4 @@
-"""What a result says and does."""
+"""Contents and methods of results."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ import sidc
 
 @pytest.fixture(scope="module")
 def pendulum(root: Path) -> tuple[dict[str, np.ndarray], sidc.Result]:
-    """A cart with a pendulum under a force: coupled equations, an input."""
+    """A pendulum on a cart under a force: coupled equations, an input."""
     data = csv(root / "models/data/pendulum.csv")
     return data, sidc.read(root / "models/pendulum.sid").identify(data)
 
@@ -91,7 +91,7 @@ def test_functions_drive_integrators(pendulum: tuple[dict[str, np.ndarray], sidc
     assert min(score.fit for score in run.scores) > 99.9
 
     def force(t: float) -> float:
-        # Held from sample to sample, as the model says.
+        # Held between samples, as the model declares.
         return float(data["F"][np.searchsorted(data["t"], t, side="right") - 1])
 
     function = result.function()
@@ -165,7 +165,7 @@ def test_notebooks_show_equations_verdict_and_coefficients(pendulum: tuple[dict[
     assert page.count("<math>") > 10
     for said in ("law: passes", "prediction: ", "run: follows", 'class="terms"'):
         assert said in page
-    # The style reaches nothing outside: every rule stands inside that of the element.
+    # The style affects nothing else: every rule is nested in that of the element.
     style = page[page.index("<style>") + 7 : page.index("</style>")]
     assert style.strip().startswith(".sidc {")
     assert style.count("{") == style.count("}")

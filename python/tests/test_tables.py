@@ -1,4 +1,4 @@
-"""Tables of all kinds are the same data."""
+"""All kinds of tables give the same data."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MODEL = "state x\ndx ~ poly(x; 2)\n"
 
 
 class OnlyStream:
-    """A table of which nothing is known but the Arrow C stream."""
+    """A table that offers only the Arrow C stream."""
 
     def __init__(self, table: Any) -> None:
         self._table = table
@@ -29,7 +29,7 @@ class OnlyStream:
 
 
 class OnlyInterchange:
-    """A table of which nothing is known but the interchange protocol."""
+    """A table that offers only the interchange protocol."""
 
     def __init__(self, table: Any) -> None:
         self._table = table
@@ -39,7 +39,7 @@ class OnlyInterchange:
 
 
 class NotYetComputed:
-    """As a collection of dask: its table comes by `compute`."""
+    """Like a Dask collection: `compute` gives its table."""
 
     columns = ["t", "x"]
 
@@ -129,7 +129,7 @@ def test_an_index_without_meaning_is_no_time(decay: dict[str, np.ndarray]) -> No
     assert [name for name, _ in _tables.columns(frame[frame.x < 1])[0]] == ["x"]
     named = frame.set_index(pd.Index(decay["t"], name="seconds"))
     assert [name for name, _ in _tables.columns(named)[0]] == ["seconds", "t", "x"]
-    # A column called t is the time, whatever the index is.
+    # A column named t is the time, whatever the index.
     both = pd.DataFrame(decay, index=decay["t"] + 5.0)
     numbers = dict(_tables.columns(both)[0])
     np.testing.assert_array_equal(numbers["t"], decay["t"])
@@ -158,7 +158,7 @@ def test_what_is_held_out(decay: dict[str, np.ndarray]) -> None:
         document = model.identify(decay, holdout=holdout).document
         assert sorted(document.settings.holdout) == sorted(said)
         assert any(run.held_out for run in document.validation.runs)
-    # A table among the data is not read twice.
+    # A table that is also among the data is read only once.
     assert model.identify([decay, other], holdout=other).document.settings.data == ["run 1"]
     for wrong in (0, 1.5, -0.1, float("nan")):
         with pytest.raises(ValueError, match="between 0 and 1"):
@@ -178,7 +178,7 @@ def test_what_is_no_table_is_refused(decay: dict[str, np.ndarray]) -> None:
     far = np.where(decay["t"] > 1, np.inf, decay["x"])
     with pytest.raises(sidc.Error, match="inf"):
         model.identify({"t": decay["t"], "x": far})
-    # As in a file, cells of columns that no model reads may be anything.
+    # As in a file, columns that the model does not read may contain anything.
     assert model.identify({**decay, "spare": far}).passes
     for empty in ({}, {"t": [], "x": []}, pd.DataFrame()):
         with pytest.raises(sidc.Error, match="run 1 has no values"):

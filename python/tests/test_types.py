@@ -1,4 +1,4 @@
-"""Types: the package checks under mypy's strict rules, and the stubs say what the compiled module has."""
+"""Types: the package passes mypy's strict checks, and the stubs match the compiled module."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Long work: Python's lock is free, Ctrl-C ends it at once, progress is told, limits hold."""
+"""Long work: Python's lock is free, Ctrl-C ends it at once, progress is reported, limits hold."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ import sidc
 from sidc._progress import Progress
 
 HEAVY = "state x, y, z : order 2\nddx, ddy, ddz ~ powers(x, y, z, dx, dy, dz, sin x, cos x, sin y, cos y, sin z; 2)\n"
-"""177,147 candidates for each equation: seconds of work."""
+"""177,147 candidates for each equation, which take seconds."""
 
 
 def heavy_data() -> dict[str, np.ndarray]:
@@ -90,7 +90,7 @@ def test_other_threads_go_on_meanwhile() -> None:
     taken = time.monotonic() - began
     working.set()
     thread.join()
-    # A tick each hundredth of a second, had the thread a core for itself.
+    # There would be a tick every hundredth of a second if the thread had a core to itself.
     assert ticks > 20 * taken
 
 
@@ -109,7 +109,7 @@ def test_proofs_have_a_time_of_their_own(decay: dict[str, np.ndarray]) -> None:
     cut = model.identify(data, method="regression", prove_sparsest=0.5)
     assert time.monotonic() - began < 20
     assert all(equation.evidence is not None and equation.evidence.sparsest is not None for equation in cut.equations)
-    # The end of a proof is no end of the search.
+    # The end of a proof does not end the search.
     assert "time-limit" not in {doubt.code for doubt in cut.doubts}
     whole = sidc.Model("state x\ndx ~ poly(x; 2)\n").identify(decay, prove_sparsest=True)
     assert whole.equations[0].evidence is not None
@@ -165,7 +165,7 @@ def test_nothing_is_shown_where_nobody_looks(decay: dict[str, np.ndarray]) -> No
 
 
 def test_import_is_light() -> None:
-    """numpy and the frames are loaded when they are used."""
+    """numpy and the frame packages are loaded only when they are used."""
     code = "import sys; import sidc; print([m for m in ('numpy', 'pandas', 'scipy', 'matplotlib', 'sympy') if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

@@ -1,6 +1,6 @@
-//! Unknown constants inside terms: settled before the equations are found, told with them.
+//! Unknown constants inside terms, estimated before the equations are found and reported with them.
 //!
-//! In: a program, its measured signals. Out: the same with the constants' values as columns; their errors in a discovery. Judges nothing.
+//! In: a program and its measured signals. Out: the signals with the constants' values as columns, and the constants with their errors in a discovery.
 
 use sidc_data::{Dataset, Samples};
 use sidc_discover as discover;
@@ -15,7 +15,7 @@ use super::program::Program;
 use super::thresholds::BUDGET;
 use crate::options::Options;
 
-/// The likeliest values of the unknown constants on the rows of some data; `None` where there are none, of the one or the other.
+/// The maximum-likelihood values of the unknown constants; `None` if there are no unknown constants or no rows.
 pub(super) fn settle(
     program: &Program,
     (dataset, samples): (&Dataset, &Samples),
@@ -50,7 +50,7 @@ pub(super) fn settle(
     Some(values)
 }
 
-/// An unknown constant that stands in equations with `=` alone, where only the joint estimate sees it.
+/// An unknown constant that occurs only in equations with `=`, where only the joint estimate can find it.
 pub(super) fn only_given(program: &Program) -> Option<VarId> {
     let model = &program.model;
     let (mut given, mut sought) = (Vec::new(), Vec::new());
@@ -81,7 +81,7 @@ pub(super) fn not_estimated(model: &Model, unknown: VarId) -> Diagnostic {
     d.help("leave --method to the program on noisy readings, or write the equation with `~` and the terms that it may have")
 }
 
-/// The values that the samples have, with their errors, in a discovery; the coefficients' errors grow by those of the constants.
+/// Adds the constants' values and standard errors to a discovery, and the variance that they cause to that of the coefficients.
 pub(super) fn tell(
     program: &Program,
     (dataset, samples): (&Dataset, &Samples),
@@ -121,7 +121,7 @@ pub(super) fn tell(
     found.unknowns = told.collect();
 }
 
-/// What is proved of the equations over the ranges of their constants.
+/// Adds what is proved of the equations over the ranges of their constants.
 pub(super) fn certify(
     program: &Program,
     samples: &Samples,
@@ -146,7 +146,7 @@ pub(super) fn certify(
     }
 }
 
-/// Doubts about the constants of a discovery, from rows of all signals.
+/// Adds doubts about the constants of a discovery, from rows of all signals.
 pub(super) fn doubt(
     program: &Program,
     samples: &Samples,

@@ -1,4 +1,4 @@
-//! Whether the data can tell what a model says of delays.
+//! Whether records are long enough for the delays of a model.
 //!
 //! In: a model, a dataset. Out: diagnostics at the declarations. Estimates no delay.
 
@@ -9,7 +9,7 @@ use sidc_lang::number::significant;
 
 use super::thresholds::DELAYS;
 
-/// Delays that no record is long enough for.
+/// Errors for delays that are too long for every record.
 pub(super) fn check(model: &Model, dataset: &Dataset) -> Vec<Diagnostic> {
     let spans = dataset.trajectories.iter().flat_map(|t| {
         let span = |rows: std::ops::Range<usize>| {
@@ -45,7 +45,7 @@ fn too_long(var: &Var, size: f64, longest: f64) -> Diagnostic {
     d.help("delays are in the unit of time: declare a shorter one, or record longer")
 }
 
-/// The error that a range of delays is not searched; `None` if the model has none.
+/// The error for a range of delays that will not be searched; `None` if the model has none.
 pub(super) fn not_sought(model: &Model, why: &str) -> Option<Diagnostic> {
     let (id, delay) = model
         .delays()

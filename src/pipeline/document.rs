@@ -1,6 +1,6 @@
-//! What a result document says of model, data and options, beside the equations.
+//! What a result document says of model, data and options, besides the equations.
 //!
-//! In: a program, what was measured, how equations were looked for. Out: entries of the document. Computes nothing.
+//! In: a program, its measured signals, the options. Out: entries of the document. Computes nothing.
 
 use sidc_lang::diagnostic::{Diagnostic, Severity};
 use sidc_lang::term::SignalNames;
@@ -15,14 +15,14 @@ use crate::options::Options;
 /// A model as it was given.
 #[derive(Clone, Debug)]
 pub struct ModelSource {
-    /// What stands for its file in messages and results.
+    /// Its name in messages and results.
     pub name: String,
     pub text: String,
-    /// The model's file and behind it those of the data; none if nothing was read from files.
+    /// The file of the model, then those of the data; empty if nothing was read from files.
     pub files: Vec<FileEntry>,
 }
 
-/// What repeats a run: model, data, options.
+/// What it takes to repeat a run: model, data, options.
 pub fn settings(
     source: &ModelSource,
     program: &Program,
@@ -50,7 +50,7 @@ pub fn settings(
     }
 }
 
-/// The warnings among diagnostics: they travel with the result.
+/// The warnings among diagnostics, which the result keeps.
 pub fn warnings<'a>(diagnostics: impl IntoIterator<Item = &'a Diagnostic>) -> Vec<Notice> {
     let all = diagnostics.into_iter();
     all.filter(|d| d.severity == Severity::Warning)
@@ -70,7 +70,7 @@ pub fn signal_entries(program: &Program, measured: &Measured) -> Vec<SignalEntry
     entries.collect()
 }
 
-/// How the data were read, with the course of each input between its samples as it was decided.
+/// How the data were read, with the intersample behaviour chosen for each input.
 fn reading(program: &Program, measured: &Measured) -> Reading {
     let mut as_read = program.model.clone();
     for input in &measured.dataset.inputs {

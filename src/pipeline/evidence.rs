@@ -1,7 +1,6 @@
-//! What the data say of the equations found: which terms they tell apart, and how far each coefficient is to be trusted.
+//! What the data say of the equations found: which terms they can distinguish, and how uncertain each coefficient is.
 //!
-//! In: a program, the rows, the [`Discovery`]. Out: its evidence, the doubts that follow from it, and marks. Never changes a
-//! term or a coefficient.
+//! In: a program, the rows, the [`Discovery`]. Out: its evidence, marks, and the doubts that follow. Never changes a term or a coefficient.
 
 use std::ops::ControlFlow;
 
@@ -22,27 +21,27 @@ use sidc_system::discovery::{BlockNormalEquations, Discovery, Equation, Reason, 
 use super::program::{Program, needed};
 use super::thresholds::BUDGET;
 
-/// The same options without the ranks of libraries, for answers that neither print nor keep them.
+/// The options without ranks of libraries, for results that neither print nor store them.
 pub fn without_ranks(mut options: crate::Options) -> crate::Options {
     options.search.ranks = false;
     options
 }
 
-/// What equations are weighed on.
+/// What equations are weighed with.
 pub(super) struct Weighing<'a> {
     pub program: &'a Program,
     pub rows: Rows<'a>,
-    /// Of all equations, where these were estimated together.
+    /// Segments of all equations, if these were estimated jointly.
     pub stretches: Option<&'a BlockNormalEquations>,
     pub options: &'a Options,
 }
 
 impl Weighing<'_> {
-    /// Weighs every equation on its rows. The reason of an equation that failed says what its library lacks.
+    /// Weighs every equation on its rows. If an equation failed, its reason says what the library lacks.
     pub fn weigh(&self, discovery: &mut Discovery, observer: &mut dyn Observer) {
         let all: Vec<usize> = (0..discovery.equations.len()).collect();
         let mut judged: Vec<Judged> = Vec::new();
-        // Two at a time, on a thread each.
+        // Two at a time, each on its own thread.
         for pair in all.chunks(2) {
             let (mut places, mut stopped) = (Vec::new(), None);
             for place in pair {
@@ -101,7 +100,7 @@ impl Weighing<'_> {
         }
     }
 
-    /// Doubts every equation without a term that the model requires, should a search have lost one.
+    /// Doubts every equation without a term that the model requires, in case a search has lost one.
     fn doubt_lacking(&self, discovery: &mut Discovery) {
         discovery.doubt_each(|names, equation| {
             let (_, library) = self.program.sought(equation.target)?;
@@ -141,7 +140,7 @@ impl Weighing<'_> {
     }
 }
 
-/// Whether to weigh the equation at a place. An observer that has ended the work before is not asked again.
+/// Whether to weigh the equation at a place. An observer that has already ended the work is not asked again.
 fn asked(discovery: &Discovery, place: usize, observer: &mut dyn Observer) -> ControlFlow<Stop> {
     if discovery.was_stopped() {
         return ControlFlow::Continue(());
@@ -150,8 +149,8 @@ fn asked(discovery: &Discovery, place: usize, observer: &mut dyn Observer) -> Co
     observer.hear(Activity::Equation { place, stage })
 }
 
-/// Signals with derivatives estimated from the readings, for equations that were estimated with their trajectory; `None` where
-/// the trajectory explains the readings, or where there are too many of them.
+/// Signals with derivatives estimated from the readings, for equations estimated jointly with their trajectory; `None` if the trajectory explains the
+/// readings, or if there are too many readings.
 pub(super) fn readings(
     program: &Program,
     dataset: &Dataset,
@@ -164,7 +163,7 @@ pub(super) fn readings(
     }
     let mut signals = needed(program);
     let targets = program.model.equations.iter().map(|e| e.target);
-    // The library may lack lower derivatives; the next higher one shows that the order is too low.
+    // The library may lack lower derivatives, and the next higher one shows whether the order is too low.
     let around = |t: Signal| (0..=t.der + 1).map(move |der| Signal::derivative(t.var, der));
     signals.extend(targets.flat_map(around));
     signals.sort_unstable();
@@ -173,12 +172,12 @@ pub(super) fn readings(
     Some(samples)
 }
 
-/// What one equation's rows say.
+/// What the rows say of one equation.
 #[derive(Default)]
 struct Judged {
     told: Option<Assessment>,
     stretches: Option<BlockNormalEquations>,
     halves: Option<Stability>,
-    /// Independent readings behind its coefficients.
+    /// Effective number of readings behind its coefficients.
     readings: Option<f64>,
 }

@@ -1,4 +1,4 @@
-//! Files by their content, so that a result says what it was found from.
+//! Hashes of files, so that a result says what it was found from.
 //!
 //! In: bytes as they are read. Out: names with hashes. Opens no file.
 
@@ -7,7 +7,7 @@ use std::io::{Read, Result};
 use sha2::{Digest, Sha256};
 use sidc_system::result::FileEntry;
 
-/// A reader that hashes what passes.
+/// A reader that hashes what it reads.
 pub struct Hashed<R> {
     inner: R,
     hash: Sha256,
@@ -21,7 +21,7 @@ impl<R: Read> Hashed<R> {
         }
     }
 
-    /// What was read by now, as a file of this name.
+    /// The bytes read so far, as a file of this name.
     pub fn entry(self, name: &str) -> FileEntry {
         entry(name, self.hash)
     }

@@ -1,4 +1,4 @@
-//! Program + measured → equations: the third stage.
+//! Program + measured signals → equations: the third stage.
 //!
 //! In: a program, its signals on common rows. Out: equations with evidence, or why a term has no value.
 
@@ -24,10 +24,10 @@ const TOGETHER: &str = "the equations were estimated together with their traject
 const CONSTRAINED: &str = "equations that constraints tie are not looked at one by one";
 const OTHERWISE: &str = "this equation was found another way, or the search was ended before";
 
-/// Program + measured → equations with evidence.
+/// Program + measured signals → equations with evidence.
 ///
 /// # Errors
-/// Terms without a value on the rows, constraints that the data contradict.
+/// Terms without a value on the rows; constraints that the data contradict.
 pub fn identify(
     program: &Program,
     measured: &Measured,
@@ -87,7 +87,7 @@ pub fn identify(
     Ok(sparsest_or_why(found, options))
 }
 
-/// Says of every equation whose sparsest form was asked for and not looked for why that is.
+/// If proofs of sparsest equations were requested, says of every equation without one why it has none.
 fn sparsest_or_why(mut found: Discovery, options: &Options) -> Discovery {
     if !options.search.sparsest {
         return found;

@@ -1,6 +1,6 @@
-//! The problem of all equations together → equations with evidence.
+//! The joint problem of all equations → equations with evidence.
 //!
-//! In: a program, its data, the problem. Out: a [`Discovery`]. Decides nothing about when this is the way.
+//! In: a program, its data, the problem. Out: a [`Discovery`]. Does not decide whether to estimate jointly.
 
 use std::borrow::Cow;
 
@@ -18,7 +18,7 @@ use super::program::Program;
 use super::rates;
 use crate::options::Options;
 
-/// All equations together with their trajectory, and how well they describe the readings; `None` if nothing was fitted.
+/// Estimates all equations with their trajectory; also says how well they describe the readings, `None` if nothing was fitted.
 ///
 /// # Errors
 /// The readings contradict the constraints of the model.

@@ -1,7 +1,7 @@
-//! Equations + data → verdict: the last stage. Is it the law, how far ahead does it predict, does it run freely.
+//! Equations + data → verdict: the last stage. Are the equations the law, how far ahead do they predict, do they run freely?
 //!
-//! In: a program, data used and held out, the [`Discovery`]. Out: predictions, free runs, doubts that follow from them, the verdict.
-//! Never changes a term or a coefficient.
+//! In: a program, the data used and held out, the [`Discovery`]. Out: predictions, free runs, the doubts that follow, the verdict. Never changes a term or a
+//! coefficient.
 
 use sidc_data::Dataset;
 use sidc_progress::Observer;
@@ -17,12 +17,12 @@ use crate::options::Options;
 /// What predictions and free runs say.
 #[derive(Clone, Debug, Default)]
 pub struct Judgement {
-    /// Free runs on the data used and on those held out; `None` where none were held out.
+    /// Free runs on the data used and on the data held out; `None` if nothing was held out.
     pub validation: Option<Validation>,
     pub verdict: Verdict,
 }
 
-/// Predicts and runs what was found, on the rows held out, or on those used where none were held out.
+/// Predicts with the equations and runs them, on the rows held out, or on those used if none were held out.
 pub fn judge(
     program: &Program,
     measured: &Measured,
@@ -35,7 +35,7 @@ pub fn judge(
     let used = &found.without_sensor_delays(&used).unwrap_or(used);
     let true_held = found.without_sensor_delays(&measured.held);
     let held = true_held.as_ref().unwrap_or(&measured.held);
-    // Coefficients by run are parameters of the runs here.
+    // Coefficients that differ between runs become parameters here.
     let by_run = RunParameters::of(found, &program.model);
     let with_values = |data: &Dataset| by_run.as_ref().map(|p| p.with_values(data));
     let (used_by_run, held_by_run) = (with_values(used), with_values(held));
@@ -54,7 +54,7 @@ pub fn judge(
     let validation = validate::validate((equations, model), data, observer);
     if let Some(runs) = &validation {
         let sensitive = runs.runs.iter().any(|r| r.sensitive);
-        // Where free runs say nothing, predictions over the same horizon on both parts do.
+        // Where free runs are too sensitive to compare, predictions over the same horizon on both parts are compared.
         let same = PredictionRequest {
             horizon: Some(prediction.horizon),
             good: Vec::new(),
@@ -71,7 +71,7 @@ pub fn judge(
     let verdict = match &validation {
         Some(runs) => Verdict::of(found, prediction, runs),
         None => {
-            // States that need no fit are readings without noise.
+            // If no state had to be fitted, the readings are free of noise.
             let clean = prediction.unavailable.is_none() && prediction.fitted_rows == 0;
             let runs = validate::run_on_used((equations, model), (used, clean), observer);
             Verdict::of(found, prediction, &runs)
@@ -83,7 +83,7 @@ pub fn judge(
     }
 }
 
-/// A limit for a signal that no equation predicts: its name, and the names there are.
+/// Checks for limits of signals that no equation predicts. The error holds the unknown name and the known names.
 pub fn check_limits(program: &Program, options: &Options) -> Result<(), (String, Vec<String>)> {
     let known = predict::predictable(&program.model);
     let unknown = options

@@ -1,7 +1,6 @@
-//! Program + data → measured: the second stage.
+//! Program + data → measured signals: the second stage.
 //!
-//! In: a program, tables, and which rows to use. Out: the signals on common rows, or the problem of all equations together, and
-//! diagnostics. Finds no equation.
+//! In: a program, tables, and which rows to use. Out: the signals on common rows or the joint problem of all equations, and diagnostics. Finds no equation.
 
 use sidc_data as data;
 use sidc_data::{Dataset, HoldOut, InputValue, Provenance, Samples, Table};
@@ -26,23 +25,23 @@ use crate::options::Options;
 /// A program's signals on common rows.
 pub struct Measured {
     pub dataset: Dataset,
-    /// The same with stated delays taken out, for equations that are found one by one; `None` where it is no other.
+    /// The dataset with stated delays removed, for equations found one by one; `None` if that changes nothing.
     acting: Option<Dataset>,
-    /// What is held out: equations are not found from it, but run on it.
+    /// The held-out data: equations are not found from them, but run on them.
     pub held: Dataset,
-    /// The same in words, for messages.
+    /// The held-out data in words, for messages.
     pub held_out: Vec<String>,
-    /// Empty where all equations are found together.
+    /// Empty if the equations are estimated jointly.
     pub samples: Samples,
-    /// The problem of all equations together with their trajectory, where they are found that way.
+    /// The joint problem of all equations and their trajectory, if they are estimated that way.
     pub joint: Option<Problem>,
-    /// What was measured and what was estimated.
+    /// Which signals were measured and which estimated.
     pub report: Vec<Provenance>,
-    /// The program without the candidates that are their target in other words; `None` where there are none.
+    /// The program without candidates that only restate their target; `None` if there are none.
     narrowed: Option<Program>,
 }
 
-/// Tables that were read from files, as data.
+/// Data of tables that were read from files.
 pub fn from_tables(tables: Vec<Table>, params: Vec<(String, Vec<f64>)>) -> Data {
     Data {
         tables,
@@ -51,8 +50,8 @@ pub fn from_tables(tables: Vec<Table>, params: Vec<(String, Vec<f64>)>) -> Data 
     }
 }
 
-/// Program + data → samples of every signal that the equations mention, or the problem of all equations together with their
-/// trajectory. If `observer` ends the work, there are no rows.
+/// Program + data → samples of every signal in the equations, or the joint problem of all equations and their trajectory. If `observer` ends the work, there
+/// are no rows.
 pub fn measure(
     program: &Program,
     data: &Data,
@@ -93,7 +92,7 @@ pub fn measure(
     let mut joint = together(program, search, observer);
     let (samples, mut found, report) = match &joint {
         Ok(_) => Default::default(),
-        // Nothing can be differentiated that nothing measures.
+        // A hidden state has no readings to differentiate.
         Err(_) if model.hidden_states().next().is_some() => Default::default(),
         Err(_) => {
             let acting = at_instants.as_ref().unwrap_or(&dataset);
@@ -101,7 +100,7 @@ pub fn measure(
         }
     };
     if search.chooses_way() && found.iter().any(|d| d.code == "no-samples") {
-        // A trajectory can be estimated from readings that are never complete, or too sparse for derivatives.
+        // A trajectory can be estimated even if no row is complete, or readings are too sparse for derivatives.
         let method = Method::Joint;
         let jointly = discover::Options { method, ..*search };
         joint = together(program, &jointly, observer).or(joint);
@@ -178,7 +177,7 @@ pub fn measure(
 }
 
 impl Measured {
-    /// Gives the unknown constants these values.
+    /// Sets the values of the unknown constants.
     fn set_constants(&mut self, model: &Model, values: &[f64]) {
         let sought = unknown_constants::sought(model, &self.samples);
         self.samples = unknown_constants::with_values(&self.samples, &sought, values);
@@ -213,7 +212,7 @@ fn left_out(program: &Program, copy: &TargetCopy) -> Diagnostic {
     .help(format!("remove {term} from the library of {target}"))
 }
 
-/// What is held out, as a command line would say it.
+/// What is held out, in the words of the command line.
 pub(super) fn in_words(hold_out: &HoldOut, data: &Data) -> Vec<String> {
     let run = |place: &usize| data.tables.get(*place).map(|t| t.name.clone());
     let stretches = hold_out.stretches.iter().map(ToString::to_string);
@@ -230,7 +229,7 @@ fn not_joint(why: &str) -> Diagnostic {
     .help("leave --method to the program, or take --method regression")
 }
 
-/// What the model requires is never left out.
+/// Required terms are never left out.
 fn is_required(program: &Program, copy: &TargetCopy) -> bool {
     let library = program
         .libraries
@@ -272,7 +271,7 @@ fn not_robust(why: &str) -> Diagnostic {
     .help("readings are left out where --method is joint")
 }
 
-/// The first signal whose noise is declared to grow with it.
+/// The first signal with noise declared to grow with its value.
 fn growing(model: &Model) -> Option<String> {
     let vars = (0..).map(VarId).zip(&model.vars);
     let mut sensors = vars.flat_map(|(id, v)| v.noise.iter().map(move |(der, n)| (id, *der, n)));
@@ -318,17 +317,17 @@ fn weaker_method(why: &str) -> Diagnostic {
 }
 
 impl Measured {
-    /// The records as the inputs act and the states are, as far as the model states delays.
+    /// The records with the delays that the model states removed, so that inputs are as they act and states as they are.
     pub(super) fn acting(&self) -> &Dataset {
         self.acting.as_ref().unwrap_or(&self.dataset)
     }
 
-    /// The program whose candidates are searched.
+    /// The program with the candidates that are searched.
     pub(super) fn searched<'a>(&'a self, program: &'a Program) -> &'a Program {
         self.narrowed.as_ref().unwrap_or(program)
     }
 
-    /// Rows or samples that equations are found from.
+    /// The number of rows or samples that equations are found from.
     pub fn rows(&self) -> usize {
         self.joint
             .as_ref()

@@ -1,11 +1,11 @@
-//! What a model may lack: a state that nothing measures, tried where the answer is doubted.
+//! Tries one more, unmeasured state in the model if the answer is doubted.
 //!
-//! In: a program, its data, the answer with its doubts. Out: one doubt more, if a model with one more state describes the readings better: which,
-//! what would be found with it, the lines to paste. The answer itself stays as it is.
+//! In: a program, its data, the answer with its doubts. Out: one more doubt if a model with one more state describes the readings better. It names the state,
+//! says what would be found with it, and gives the lines to paste. The answer itself is not changed.
 //!
-//! Tried are a first-order lag of each input and, in small models without hidden states, one of each doubted state's sensor and a state that
-//! drives the doubted laws and has a library like theirs. All are estimated by a short search, and the criterion compares them with the
-//! answer and with each other.
+//! The states tried are a first-order lag of each input and, in small models without hidden states, a lag of the sensor of each doubted state and a state
+//! that drives the doubted laws and has a library like theirs. Each is estimated by a short search, and the criterion compares them with the answer and with
+//! each other.
 
 use sidc_data::Dataset;
 use sidc_discover as discover;
@@ -32,8 +32,8 @@ struct Proposal {
     description: Description,
 }
 
-/// Doubts an answer where a model with one more state describes the readings better. `description` is that of the answer; where it was found from
-/// rows, the trajectory is estimated first.
+/// Doubts an answer if a model with one more state describes the readings better. `description` is that of the answer; if the answer was found by regression,
+/// the trajectory is estimated first.
 pub(super) fn propose(
     (program, dataset): (&Program, &Dataset),
     found: &mut Discovery,
@@ -42,10 +42,10 @@ pub(super) fn propose(
     observer: &mut dyn Observer,
 ) {
     let doubted = doubted(found);
-    // A delay that was sought in too short a range looks like a lag: the range comes first.
+    // A delay sought in too short a range looks like a lag, so the range must be corrected first.
     let cut_off = found.doubt_codes().contains(&ReasonCode::DelayRange);
     let possible = may_have_more_states(program) && work(program, dataset) <= MISSING.work;
-    // A sum of many terms is no law that lacks one state, and each of its terms makes the trials longer.
+    // A law with many terms is not one that lacks a single state, and each of its terms makes the trials longer.
     let dense = (found.equations.iter()).any(|e| e.terms.len() > MISSING.terms);
     if doubted.is_empty()
         || dense
@@ -56,7 +56,7 @@ pub(super) fn propose(
     {
         return;
     }
-    // What is tried has other equations: only whether to go on is asked.
+    // The trials have other equations, so the observer is asked only whether to go on.
     let mut quiet = |_: Activity| observer.hear(Activity::Working);
     let mut trial = Trial {
         dataset,
@@ -77,7 +77,7 @@ pub(super) fn propose(
         let states = driving((program, dataset), &doubted).into_iter().collect();
         tried.extend(trial.each(states, program));
     }
-    // Of those that the readings do not tell apart the first is given.
+    // Of models that the readings cannot distinguish, the first is given.
     let better = |a: &Proposal, b: &Proposal| a.description.is_better_than(&b.description);
     let best = (tried.iter()).reduce(|best, one| if better(one, best) { one } else { best });
     let Some(best) = best.filter(|_| trial.observer.go_on()) else {
@@ -98,13 +98,13 @@ pub(super) fn propose(
 struct Trial<'a> {
     dataset: &'a Dataset,
     options: &'a Options,
-    /// Disturbances are looked for beside an added state where the answer has some: each can stand for the other.
+    /// Disturbances are searched for along with an added state if the answer has some: each can stand for the other.
     scope: SearchScope,
     observer: &'a mut dyn Observer,
 }
 
 impl Trial<'_> {
-    /// What is found with each added state that something moves.
+    /// What is found with each added state, unless nothing drives it or its constant is at an end of its range.
     fn each(&mut self, states: Vec<(String, AddedState)>, given: &Program) -> Vec<Proposal> {
         let proposal = |(what, added): (String, AddedState)| {
             let program = compiled(&added.text, given)?;
@@ -120,7 +120,7 @@ impl Trial<'_> {
         states.into_iter().filter_map(proposal).collect()
     }
 
-    /// The equations of a program with their trajectory, and how well they describe the readings.
+    /// Estimates the equations of a program jointly with their trajectory, and how well they describe the readings.
     fn describe(&mut self, program: &Program) -> Option<(Discovery, Description)> {
         let mut search = self.options.search;
         search.method = Method::Joint;
@@ -133,7 +133,7 @@ impl Trial<'_> {
     }
 }
 
-/// Whether something moves the added state. One that only fades or grows by itself is a disturbance that lasts.
+/// Whether another signal drives the added state. A state that only decays or grows on its own is a slow disturbance.
 fn is_driven(found: &Discovery, state: &str) -> bool {
     let own = |s: Signal| found.variable(s.var) == state;
     let mut laws = found.equations.iter().filter(|e| own(e.target));
@@ -147,7 +147,7 @@ fn is_driven(found: &Discovery, state: &str) -> bool {
     })
 }
 
-/// Whether a constant ended at the end of its range, as a time constant does where an input is integrated or followed at once.
+/// Whether a constant is at an end of its range. A time constant ends there if its input is integrated or followed at once.
 fn is_at_end(found: &Discovery, program: &Program) -> bool {
     let unknowns = program.model.unknowns.iter();
     let ends = unknowns.flat_map(|u| {
@@ -163,24 +163,24 @@ fn is_at_end(found: &Discovery, program: &Program) -> bool {
     })
 }
 
-/// Whether something besides its terms drives an equation.
+/// Whether an unexplained disturbance drives an equation.
 fn is_disturbed(equation: &Equation) -> bool {
     let together = equation.evidence.as_ref().and_then(|v| v.joint.as_ref());
     together.is_some_and(|t| t.disturbance.is_some())
 }
 
-/// Whether a delay that was found is explanation enough: with it no misfit is left, and nothing else drives the laws.
+/// Whether a delay that was found explains enough: with it no misfit remains, and no disturbance drives the laws.
 fn explained_by_delay(found: &Discovery) -> bool {
     let misfit = found.doubt_codes().contains(&ReasonCode::Misfit);
     is_late(found) && !misfit && !found.equations.iter().any(is_disturbed)
 }
 
-/// Whether the answer is that to inputs which act later than recorded.
+/// Whether the answer is for inputs that act later than recorded.
 fn is_late(found: &Discovery) -> bool {
     found.doubt_codes().contains(&ReasonCode::InputDelay)
 }
 
-/// The equations that leave more than a sensor's noise, as laws of another state would, or that something drives besides their terms.
+/// The equations whose residuals exceed the sensor's noise, as those of a missing state would, or that a disturbance drives.
 fn doubted(found: &Discovery) -> Vec<Signal> {
     use ReasonCode::{
         BeyondLibrary, ColouredResiduals, Disturbed, ExhaustedLibrary, InputDelay, Misfit, PoorFit,
@@ -201,13 +201,13 @@ fn doubted(found: &Discovery) -> Vec<Signal> {
     searched.filter(|e| doubted(e)).map(|e| e.target).collect()
 }
 
-/// Whether states can be added: not in discrete time, nor where the model says more of coefficients than the added laws would know.
+/// Whether states can be added: not in discrete time, nor with per-run coefficients or constraints, which the added laws would not respect.
 fn may_have_more_states(program: &Program) -> bool {
     let model = &program.model;
     !model.discrete && model.per_run.is_empty() && model.constraints.is_empty()
 }
 
-/// Values of columns that one search evaluates.
+/// The number of column values that one search evaluates.
 fn work(program: &Program, dataset: &Dataset) -> usize {
     let samples = dataset.trajectories.iter().map(|t| t.time.len());
     samples.sum::<usize>() * columns(program)
@@ -248,7 +248,7 @@ fn lagged(
         .collect()
 }
 
-/// A state that drives the doubted laws, in small models.
+/// A state that drives the doubted laws; only in small models.
 fn driving(
     (program, dataset): (&Program, &Dataset),
     doubted: &[Signal],
@@ -266,8 +266,7 @@ fn driving(
     is_small(program, dataset).then_some((what, added))
 }
 
-/// Whether laws may be searched along a course that nothing measures: with little work, no other such course, and rates that need not be solved for
-/// at every step.
+/// Whether laws with an unmeasured state can be searched: little work, no other such state, and rates that need not be solved for at every step.
 fn is_small(program: &Program, dataset: &Dataset) -> bool {
     let hidden = program.model.hidden_states().next().is_some();
     let targets: Vec<Signal> = program.model.equations.iter().map(|e| e.target).collect();
@@ -276,7 +275,7 @@ fn is_small(program: &Program, dataset: &Dataset) -> bool {
     !hidden && !implicit && work(program, dataset) <= MISSING.work_along_course
 }
 
-/// The time constants that records can tell, from the shortest step to the length of the longest.
+/// The range of time constants that the records can show, from the shortest step to the length of the longest record.
 fn lags(dataset: &Dataset) -> Option<(f64, f64)> {
     let times = dataset.trajectories.iter().map(|t| &t.time);
     let steps = times
@@ -289,7 +288,7 @@ fn lags(dataset: &Dataset) -> Option<(f64, f64)> {
     (from < length).then_some((from, length))
 }
 
-/// A longer text, with the noise that was given for the sensors of the model.
+/// Compiles a longer text, with the noise that was given for the sensors of the model.
 fn compiled(text: &str, given: &Program) -> Option<Program> {
     let mut sources = Sources::default();
     let file = sources.add("", text);
@@ -336,7 +335,7 @@ impl Proposal {
         Reason::new(ReasonCode::MissingState, text).change(way, lines)
     }
 
-    /// What is found: the laws, and the time constant.
+    /// What is found: the laws and the time constant.
     fn equations(&self) -> Vec<String> {
         let found = &self.found;
         let searched = found.equations.iter().filter(|e| e.status != Status::Known);
@@ -349,7 +348,7 @@ impl Proposal {
     }
 }
 
-/// Adds the reason to the doubted equations: first where the added state explains the readings, last where more is missing.
+/// Adds the reason to the doubted equations: first if the added state explains the readings, last if more is missing.
 fn tell(found: &mut Discovery, doubted: &[Signal], reason: &Reason, explains: bool) {
     let equations = found.equations.iter_mut();
     for equation in equations.filter(|e| doubted.contains(&e.target)) {

@@ -1,6 +1,6 @@
-//! The stages from a model's text and tables to equations, one file a stage: `program` → `measure` → `identify` → `verification`.
+//! The stages from a model's text and tables to a verdict, one file per stage: `program` → `measure` → `identify` → `verification` → `judgement`.
 //!
-//! Each stage takes the one before and adds its diagnostics; an observer hears what is done. Nothing here reads files or prints.
+//! Each stage takes the result of the one before and adds its diagnostics; an observer follows the work. Nothing here reads files or prints.
 
 mod constants;
 mod delays;

@@ -1,6 +1,6 @@
-//! Noise of sensors that is given beside the model.
+//! Sensor noise given outside the model.
 //!
-//! In: a program, noises by name. Out: the program with these in place of what its model declares, or the first fault.
+//! In: a program, noise by name. Out: the program with this noise in place of what its model declares, or the first fault.
 
 use sidc_lang::model::{Model, VarKind};
 use sidc_lang::sensor_noise::SensorNoise;
@@ -13,11 +13,11 @@ use super::program::Program;
 pub enum NoiseFault {
     /// This name is given twice.
     Twice(String),
-    /// The model measures no signal of this name; `measured` are those that it does.
+    /// The model measures no signal of this name; `measured` lists those that it does measure.
     Unknown { name: String, measured: Vec<String> },
 }
 
-/// Noise by the names of signals; it holds over what the model declares.
+/// Sets noise by signal name, overriding what the model declares.
 ///
 /// # Errors
 /// The first fault.
@@ -39,7 +39,7 @@ pub fn set_noise(program: &mut Program, given: &[(String, SensorNoise)]) -> Resu
     Ok(())
 }
 
-/// Every signal that a table may hold, by name: variables, then their derivatives.
+/// Every signal that a table may hold, by name: first variables, then their derivatives.
 fn sensors(model: &Model) -> Vec<(String, Signal)> {
     let highest = model.vars.iter().map(|v| v.order).max().unwrap_or(0);
     let orders = (0..=highest).flat_map(|der| {

@@ -19,12 +19,12 @@ use sidc_solve::threads;
 
 use super::thresholds::BUDGET;
 
-/// A checked model with the library of each equation; `None` where the equation is known.
+/// A checked model with the library of each equation; `None` if the equation is known.
 #[derive(Clone, Debug)]
 pub struct Program {
-    /// The text it was compiled from, with that of the files it includes in their place.
+    /// The text that it was compiled from, with included files inlined.
     pub text: Arc<str>,
-    /// Whether it includes files, so that places in the model are none in `text`.
+    /// Whether it includes files; if so, positions in the model are not positions in `text`.
     pub includes_files: bool,
     pub model: Model,
     pub libraries: Vec<Option<Library>>,
@@ -48,7 +48,7 @@ pub fn vocabulary() -> Vocabulary {
     }
 }
 
-/// Text → program. All libraries together take `memory` bytes at most; each equation has an equal share.
+/// Text → program. All libraries together take at most `memory` bytes, shared equally among the equations.
 pub fn compile(file: FileId, sources: &Sources, memory: u64) -> Staged<Program> {
     let (model, mut diagnostics) = lang::compile(file, sources, &vocabulary());
     let Some(model) = model else {
@@ -56,7 +56,7 @@ pub fn compile(file: FileId, sources: &Sources, memory: u64) -> Staged<Program> 
     };
     let mut libraries = Vec::new();
     for (library, found) in expand_all(&model, memory) {
-        // A `let` that several equations use would be reported once for each of them.
+        // Equations that use the same `let` would each report its faults.
         for d in found {
             if !diagnostics.contains(&d) {
                 diagnostics.push(d);
@@ -77,7 +77,7 @@ pub fn compile(file: FileId, sources: &Sources, memory: u64) -> Staged<Program> 
     finish(program, diagnostics)
 }
 
-/// The library of each equation, in order. Most of the time before data are read goes here, so equations are expanded in parallel.
+/// The library of each equation, in order. Most of the time before data are read is spent here, so equations are expanded in parallel.
 fn expand_all(model: &Model, memory: u64) -> Vec<(Option<Library>, Vec<Diagnostic>)> {
     let expand = |equation: &Equation| match &equation.right {
         RightSide::Search {
@@ -99,7 +99,7 @@ fn expand_all(model: &Model, memory: u64) -> Vec<(Option<Library>, Vec<Diagnosti
         let spawn = |e| scope.spawn(move || expand(e));
         let others: Vec<_> = rest.iter().map(spawn).collect();
         let mut all = vec![expand(first)];
-        // If a thread panicked, its equation is expanded here.
+        // If a thread panicked, its equation is expanded here instead.
         let joined = others.into_iter().zip(rest);
         all.extend(joined.map(|(handle, e)| handle.join().unwrap_or_else(|_| expand(e))));
         all
@@ -128,7 +128,7 @@ impl Program {
         })
     }
 
-    /// The place of an equation in the model and its library; `None` if nothing is looked for there.
+    /// The index of an equation in the model and its library; `None` if that equation is not searched for.
     pub(super) fn sought(&self, target: Signal) -> Option<(usize, &Library)> {
         let place = self
             .model
@@ -139,7 +139,7 @@ impl Program {
     }
 }
 
-/// Every signal that some equation mentions, each once, sorted.
+/// Every signal that some equation mentions, sorted, without duplicates.
 pub fn needed(program: &Program) -> Vec<Signal> {
     discover::needed_signals(&program.model, &program.libraries)
 }

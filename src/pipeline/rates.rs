@@ -1,4 +1,4 @@
-//! The doubt of equations that were found from a rate which contradicts the samples of its own state.
+//! Doubts about equations found from a rate that contradicts the samples of its own state.
 //!
 //! In: faults of rate columns, the [`Discovery`]. Out: the doubt `rate-disagrees`. Never changes a term or a coefficient.
 
@@ -6,7 +6,7 @@ use sidc_data::RateFault;
 use sidc_lang::term::Signal;
 use sidc_system::discovery::{Change, Discovery, Equation, Reason, ReasonCode, Status};
 
-/// Doubts every equation of the same variable, or with the rate among its terms.
+/// Doubts every equation of the same variable, and every equation with the rate among its terms.
 pub(super) fn doubt(discovery: &mut Discovery, faults: &[RateFault]) {
     for fault in faults {
         let from_it = |e: &&mut Equation| uses(e, fault.signal);

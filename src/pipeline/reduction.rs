@@ -1,6 +1,6 @@
-//! The rows of a part of a large table, reduced; and equations with the coefficients of all rows.
+//! Reduces the rows of one part of a large table, and refits equations on all rows.
 //!
-//! In: a program and the signals of one part, or of the rows that are looked at closely. Out: factors; the equations changed.
+//! In: a program, and the signals of one part or of the rows that equations were found from. Out: factors; the changed equations.
 
 use sidc_discover::{self as discover, Factor};
 use sidc_lang::diagnostic::Diagnostic;
@@ -12,7 +12,7 @@ use super::measure::Measured;
 use super::program::Program;
 use crate::options::Options;
 
-/// The rows of every equation as factors.
+/// Reduces the rows of every equation to its factor; see [`Factor`].
 ///
 /// # Errors
 /// Terms without a finite value.
@@ -21,7 +21,7 @@ pub fn reduce(program: &Program, part: &Measured) -> Result<Vec<Option<Factor>>,
     reduced.map_err(|refused| diagnostics(program, part, refused))
 }
 
-/// Gives the equations found on some rows the coefficients of all of them.
+/// Gives equations found on some of the rows the coefficients of all rows.
 pub fn refit_all_rows(
     program: &Program,
     measured: &Measured,

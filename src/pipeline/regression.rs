@@ -1,7 +1,7 @@
-//! One equation as a regression problem: a model's text and columns of numbers → Φ and y, for a solver.
+//! One equation as a regression problem: a model's text and columns of numbers → Φ and y for a solver.
 //!
-//! For sweeps and studies, which have their data in memory and look at solutions before a criterion selects terms. Estimates nothing,
-//! weighs no rows, reads no files.
+//! For sweeps and studies, which have their data in memory and inspect solutions before a criterion selects terms. Estimates nothing, weights no rows, reads
+//! no files.
 
 use super::program::{self, Program, needed};
 use sidc_data::{Column, Origin, Samples};
@@ -35,7 +35,7 @@ impl Regression {
         }
     }
 
-    /// Answers in the plain norm and in graded ones as `sidc identify` looks for them, those of fewest terms first.
+    /// Answers for the plain and the graded norms, searched for as in `sidc identify`, those with fewest terms first.
     pub fn proposals(
         &self,
         library: &Library,
@@ -53,7 +53,7 @@ impl Regression {
 }
 
 impl Program {
-    /// A model's text, compiled; `name` stands for its file in messages.
+    /// Compiles a model's text; messages call its file `name`.
     ///
     /// ```
     /// use sidc::pipeline::Program;
@@ -67,7 +67,7 @@ impl Program {
     /// ```
     ///
     /// # Errors
-    /// The diagnostics as the command line prints them, warnings among them.
+    /// The diagnostics as the command line prints them, including warnings.
     pub fn compile(name: &str, text: &str) -> Result<Program, String> {
         let mut sources = Sources::default();
         let file = sources.add(name, text);
@@ -75,14 +75,14 @@ impl Program {
         program.ok_or_else(|| render(&found, &sources, false))
     }
 
-    /// The library of an equation, by the name of its target; `None` if nothing is looked for there.
+    /// The library of an equation, by the name of its target; `None` if that equation is not searched for.
     pub fn library(&self, target: &str) -> Option<&Library> {
         let at = self.place(target)?;
         self.libraries.get(at)?.as_ref()
     }
 
-    /// Rows of every signal that the equations mention, from columns by name; others are left aside. Values count as measured, with
-    /// the noise that the model declares.
+    /// Rows of every signal that the equations mention, from named columns; other columns are ignored. All values count as measured, with the noise that the
+    /// model declares.
     ///
     /// ```
     /// # use sidc::pipeline::Program;
@@ -94,7 +94,7 @@ impl Program {
     /// ```
     ///
     /// # Errors
-    /// A signal without a column, a column of another length than `time`, a value that is not finite.
+    /// A signal without a column, a column whose length differs from `time`, a value that is not finite.
     pub fn samples(&self, time: &[f64], columns: &[(&str, &[f64])]) -> Result<Samples, String> {
         let signals = needed(self);
         let columns: Result<Vec<Column>, String> = signals
@@ -136,7 +136,7 @@ impl Program {
         })
     }
 
-    /// Φ and y of one equation on the rows given.
+    /// Φ and y of one equation on the given rows.
     ///
     /// ```
     /// use sidc::pipeline::Program;
@@ -164,7 +164,7 @@ impl Program {
     /// ```
     ///
     /// # Errors
-    /// No such equation, or one without a library; a target that the samples do not have; a term without a finite value.
+    /// No such equation, or one without a library; a target missing from the samples; a term without a finite value.
     pub fn regression(&self, target: &str, samples: &Samples) -> Result<Regression, String> {
         let library = self.library(target);
         let library = library.ok_or_else(|| format!("no terms are looked for in {target}"))?;
@@ -197,7 +197,7 @@ impl Program {
         )
     }
 
-    /// The terms of (column, coefficient) pairs, as they are printed; columns that hold no term are left out.
+    /// The terms of (column, coefficient) pairs, spelled as they are printed; columns without a term are skipped.
     pub fn terms(&self, target: &str, coefficients: &[(usize, f64)]) -> Vec<(String, f64)> {
         let Some(library) = self.library(target) else {
             return Vec::new();
@@ -211,8 +211,8 @@ impl Program {
         coefficients.iter().filter_map(named).collect()
     }
 
-    /// The columns of terms, spelled as they are printed but for the order of their factors; `None` for one that the library does
-    /// not have. Looks at products of those terms only whose factors are spelled in the one sought.
+    /// The columns of terms, spelled as they are printed except for the order of factors; `None` if a term is not in the library. Only products of terms
+    /// whose factors occur in the spelling are compared.
     ///
     /// ```
     /// # use sidc::pipeline::Program;
@@ -231,7 +231,7 @@ impl Program {
 
     fn slot(&self, library: &Library, wanted: &str) -> Option<usize> {
         let language = Language(&self.model);
-        // Lists are short where their products are many.
+        // Filtering the lists first is cheap: they are short even if their product is long.
         let spelled = |term: &Term| {
             let mut atoms = term.factors().map(|(atom, _)| atom);
             atoms.all(|a| wanted.contains(&language.term(&Term::atom(a.clone()))))
@@ -265,7 +265,7 @@ impl Program {
     }
 }
 
-/// What stands between the `*` outside of brackets, sorted.
+/// The factors of a term, split at each `*` outside brackets and sorted.
 fn factors(term: &str) -> Vec<&str> {
     let mut depth = 0_usize;
     let mut parts: Vec<&str> = term

@@ -1,8 +1,8 @@
-//! The second way to the equations, where regression of measured rates ends in doubt: all of them together with their trajectory, as
-//! if the rates had not been measured.
+//! A second method for equations that regression of measured rates leaves in doubt: joint estimation of all equations and their trajectory, as if the rates
+//! had not been measured.
 //!
-//! In: a program, measured, the equations of the first way. Out: the equations of the way that holds, with a record of both. A way
-//! that the user chose is the only one. Clean records are never asked a second time: there regression sees the smaller errors.
+//! In: a program, its measured signals, the equations of the first method. Out: the equations of the method that passes, with a record of both. A method that
+//! the user chose is the only one tried. Equations of clean records are not estimated again: there regression sees smaller errors.
 
 use sidc_data::Dataset;
 use sidc_discover as discover;
@@ -18,7 +18,7 @@ use super::measure::Measured;
 use super::program::Program;
 use crate::options::Options;
 
-/// The first equations, or those of the joint estimate where only these pass.
+/// The first equations, or those of the joint estimate if only these pass.
 pub(super) fn better_way(
     program: &Program,
     measured: &Measured,
@@ -38,7 +38,7 @@ pub(super) fn better_way(
     let Some(problem) = problem(program, &dataset, options, observer) else {
         return first;
     };
-    // Constraints that contradict the readings alone leave the first way as it is.
+    // If the readings alone contradict the constraints, the first answer is kept.
     let Ok((mut second, _)) = jointly(program, &dataset, &problem, options, observer) else {
         return first;
     };
@@ -57,7 +57,7 @@ pub(super) fn better_way(
     if holds { second } else { first }
 }
 
-/// Whether the doubts are about what the data show. Limits and stops are not, nor a solver that proves nothing, which the user chose.
+/// Whether the doubts are about what the data show, not about limits, stops or a solver, chosen by the user, that proves nothing.
 fn may_be_settled(first: &Discovery) -> bool {
     use ReasonCode::{
         HeuristicSolver, Interrupted, MemoryLimit, NoMotion, SolverRefused, TimeLimit,
@@ -73,8 +73,7 @@ fn may_be_settled(first: &Discovery) -> bool {
     first.doubt_codes().iter().all(|c| !others.contains(c))
 }
 
-/// Whether a library leaves motion that it cannot explain, of rates that agree with their states: then it leaves that of the
-/// trajectory too.
+/// Whether rates that agree with their states have motion that the library cannot explain. Then the joint estimate cannot explain it either.
 fn library_falls_short(program: &Program, measured: &Measured, first: &Discovery) -> bool {
     let poor = |target: Signal| {
         let doubted = first.equations.iter().filter(|e| e.target == target);
@@ -89,7 +88,7 @@ fn library_falls_short(program: &Program, measured: &Measured, first: &Discovery
         })
 }
 
-/// The data as if no target had been measured; `None` where none was.
+/// The data as if no target had been measured; `None` if none was.
 fn without_targets(program: &Program, dataset: &Dataset) -> Option<Dataset> {
     let equations = program.model.equations.iter();
     let targets: Vec<Signal> = equations.map(|e| e.target).collect();
@@ -97,8 +96,7 @@ fn without_targets(program: &Program, dataset: &Dataset) -> Option<Dataset> {
     measured.then(|| dataset.without(&targets))
 }
 
-/// The problem of all equations together; `None` where it is not the program's way for such data, or where a candidate is its target
-/// in other words.
+/// The joint problem of all equations; `None` if the program would not estimate such data jointly, or if a candidate only restates its target.
 fn problem(
     program: &Program,
     dataset: &Dataset,

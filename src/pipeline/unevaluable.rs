@@ -1,4 +1,4 @@
-//! A term that has no finite value on the data: the term, the row, the value.
+//! Reports a term that has no finite value on the data: the term, the row, the value.
 
 use super::measure::Measured;
 use super::program::Program;

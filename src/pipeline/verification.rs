@@ -1,7 +1,7 @@
-//! Equations checked once more, after they were found.
+//! Checks equations again after they were found.
 //!
-//! In: a program, the samples, the [`Discovery`]. Out: with each equation's evidence whether it holds, and a doubt where it does not.
-//! Never changes a term or a coefficient.
+//! In: a program, the samples, the [`Discovery`]. Out: in each equation's evidence whether it holds, and a doubt if it does not. Never changes a term or a
+//! coefficient.
 
 use super::measure::Measured;
 use super::program::Program;
@@ -11,8 +11,8 @@ use sidc_discover::verify::Case;
 use sidc_progress::{EquationObserver, Observer, Stage, Stop};
 use sidc_system::discovery::{Discovery, Equation, Reason, ReasonCode, Status, Verification};
 
-/// Checks every equation that was found, by other code and in other arithmetic. Where `observer` ends the work, the equations that
-/// are left get a doubt that says so.
+/// Checks every equation that was found, with independent code and other arithmetic. If `observer` ends the work, the remaining equations get a doubt that
+/// says so.
 pub fn verify(
     program: &Program,
     measured: &Measured,
@@ -36,14 +36,14 @@ pub fn verify(
     }
 }
 
-/// Products in 106 bits that checking all equations takes.
+/// The number of 106-bit products that checking all equations takes.
 pub fn verification_work(program: &Program, measured: &Measured, discovery: &Discovery) -> u128 {
     let all = 0..discovery.equations.len();
     let cases = all.filter_map(|at| case(program, measured, discovery, at));
     cases.map(|(_, case)| verify::work(&case)).sum()
 }
 
-/// An equation that was sought, with its place in the model.
+/// An equation that was searched for, with its index in the model.
 fn case<'a>(
     program: &'a Program,
     measured: &'a Measured,
@@ -69,7 +69,7 @@ fn attach(equation: &mut Equation, checked: Result<Option<Verification>, Stop>) 
         Ok(_) => None,
     };
     if let Some(reason) = reason {
-        // The search may have been stopped before: one such reason is enough.
+        // An earlier stop may have added the same reason already.
         if equation.reasons.iter().all(|r| r.code != reason.code) {
             equation.reasons.push(reason);
         }

@@ -1,7 +1,6 @@
-//! The default solver against Clarabel on 200 problems of all shapes, its optimality proved by code that shares nothing with the library.
+//! Compares the default solver with Clarabel on 200 varied problems. Its optimality is proved by code that shares nothing with the library.
 //!
-//! Weak duality in a few lines: for |φ_jᵀλ| ≤ ‖φ_j‖ every feasible a has ‖Da‖₁ ≥ yᵀλ − ε‖λ‖₂. So a feasible a that meets that bound is
-//! optimal, whoever found it.
+//! The proof uses weak duality: for |φ_jᵀλ| ≤ ‖φ_j‖ every feasible a has ‖Da‖₁ ≥ yᵀλ − ε‖λ‖₂. So a feasible a that attains this bound is optimal.
 
 use std::collections::BTreeMap;
 
@@ -14,23 +13,23 @@ use sidc_testing::pendulum_regression::Random;
 const PROBLEMS: u64 = 200;
 /// Relative difference of two minima, and relative duality gap.
 const SAME: f64 = 1e-7;
-/// Residual beyond ε, to ‖y‖ (ε = 0) or to ε.
+/// Residual beyond ε, relative to ‖y‖ (ε = 0) or to ε.
 const FEASIBLE: f64 = 1e-9;
 const FEASIBLE_CONE: f64 = 1e-6;
-/// Problems in which the default may stop short and say so: powers of very many degrees, at the end of what f64 can tell.
+/// Number of problems in which the default solver may stop early and report it: powers of very high degree, near the limit of f64.
 const MISSED: usize = 2;
 
 /// How the columns are made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Gaussian,
-    /// Powers of points in [−1, 1]: the condition number grows by a digit every few columns.
+    /// Powers of points in [−1, 1]: the condition number grows by a factor of ten every few columns.
     Powers,
-    /// Rows that depend on each other.
+    /// Linearly dependent rows.
     Deficient,
-    /// Every third column again, with another sign and length.
+    /// Every third column repeats another with a different sign and length.
     Doubled,
-    /// Every fourth column all zero.
+    /// Every fourth column is zero.
     Hollow,
 }
 
@@ -42,14 +41,14 @@ const KINDS: [Kind; 5] = [
     Kind::Hollow,
 ];
 
-/// What the target is.
+/// The kind of target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Aim {
     /// Φ a for a few columns, ε = 0.
     Exact,
-    /// The same and noise, with ε above what least squares leaves.
+    /// The same plus noise, with ε above the least-squares residual.
     Noisy,
-    /// A part that no column reaches, ε = 0 or below that part.
+    /// A target with a part outside the range of Φ, and ε = 0 or below that part.
     Contradictory,
 }
 
@@ -80,7 +79,7 @@ impl Case {
             2 | 3 => Aim::Noisy,
             _ => Aim::Contradictory,
         };
-        // A contradiction needs a direction that no column has: more rows than columns, or dependent rows.
+        // An infeasible target needs a direction outside the range: more rows than columns, or dependent rows.
         if aim == Aim::Contradictory && kind != Kind::Deficient && rows <= cols {
             (rows, cols) = (cols + 5, rows.min(20));
         }
@@ -103,7 +102,7 @@ impl Case {
         case
     }
 
-    /// y and ε, in units between 1e-5 and 1e5.
+    /// Sets y and ε, in units between 1e-5 and 1e5.
     fn set_target(&mut self, random: &mut Random) {
         let usable: Vec<usize> = (0..self.cols())
             .filter(|&j| length(self.column(j)) > 0.0)
@@ -125,7 +124,7 @@ impl Case {
         let floor = self.distance(&y);
         self.tolerance = match self.aim {
             Aim::Exact => 0.0,
-            // Between what least squares leaves and all of y, nearer to the former.
+            // Between the least-squares residual and ‖y‖, nearer to the former.
             Aim::Noisy => floor + (0.001 + 0.8 * random.uniform().powi(2)) * (length(&y) - floor),
             Aim::Contradictory => {
                 if random.uniform() < 0.5 {
@@ -146,7 +145,7 @@ impl Case {
         &self.phi.values()[j * self.rows..(j + 1) * self.rows]
     }
 
-    /// min ‖Φa − y‖ by pivoted Gram–Schmidt, twice a column.
+    /// min ‖Φa − y‖ by pivoted Gram–Schmidt with reorthogonalisation.
     fn distance(&self, y: &[f64]) -> f64 {
         let mut left: Vec<Vec<f64>> = (0..self.cols())
             .map(|j| self.column(j))
@@ -189,7 +188,7 @@ impl Case {
         shares.sum()
     }
 
-    /// ‖Φa − y‖₂, row by row without loss.
+    /// ‖Φa − y‖₂ from exactly accumulated rows.
     fn residual(&self, s: &Solution) -> f64 {
         let mut factors: Vec<f64> = s.coefficients.iter().map(|(_, a)| *a).collect();
         factors.push(-1.0);
@@ -201,7 +200,7 @@ impl Case {
         length(&rows)
     }
 
-    /// yᵀλ − ε‖λ‖₂ of λ scaled until no column is exceeded: no feasible a has a smaller objective.
+    /// yᵀλ − ε‖λ‖₂ with λ scaled to be dual feasible: a lower bound on the objective of every feasible a.
     fn bound(&self, lambda: &[f64]) -> f64 {
         let columns = (0..self.cols())
             .map(|j| self.column(j))
@@ -254,7 +253,7 @@ fn columns(kind: Kind, rows: usize, cols: usize, random: &mut Random) -> Vec<f64
     }
 }
 
-/// Compensated (Ogita, Rump & Oishi 2005): as if summed with twice the digits.
+/// Compensated dot product (Ogita, Rump & Oishi 2005), as accurate as in twice the precision.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (mut sum, mut lost) = (0.0_f64, 0.0_f64);
     for (a, b) in a.iter().zip(b) {
@@ -276,12 +275,12 @@ fn project_off(v: &mut [f64], q: &[f64]) {
     v.iter_mut().zip(q).for_each(|(v, q)| *v -= along * q);
 }
 
-/// What a case showed, or what is wrong.
+/// What a case showed.
 #[derive(Debug, PartialEq)]
 enum Outcome {
     Proved,
     Contradiction,
-    /// The default said `Inaccurate`, and did not claim more.
+    /// The default solver reported `Inaccurate` and claimed nothing more.
     Missed,
 }
 
@@ -313,7 +312,7 @@ fn check(case: &Case, clarabel: &dyn Solver) -> Result<Outcome, String> {
     if gap.abs() > SAME {
         return Err(format!("gap {gap:e}"));
     }
-    // Where Clarabel's own gap is larger than the difference asked for, it says nothing.
+    // If Clarabel's own gap exceeds the required difference, its answer proves nothing.
     let other = case.objective(&theirs);
     let (apart, doubt) = (
         (found - other) / found,
@@ -350,12 +349,12 @@ fn the_default_agrees_with_clarabel_and_proves_itself() {
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert!(missed.len() <= MISSED, "{}", missed.join("\n"));
-    // Every kind with every aim, several times.
+    // Every kind occurs with every aim, several times.
     assert_eq!(seen.len(), 15, "{seen:?}");
     assert!(seen.values().all(|n| *n >= 3), "{seen:?}");
 }
 
-/// The check itself can fail: a worse answer, a broken one and a false bound are told.
+/// The check itself can fail: it rejects a worse answer, an infeasible one and a false bound.
 #[test]
 fn the_proof_is_not_satisfied_with_less() {
     let case = Case::new(0);

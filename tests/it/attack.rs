@@ -1,16 +1,16 @@
-//! The fuzzer's targets on a stable toolchain: the corpus, everything that once failed, and some thousand inputs made from it.
+//! The fuzzer's targets on a stable toolchain: the corpus, all earlier failures, and some thousand inputs derived from the corpus.
 //!
-//! What a target promises is said in `crates/testing/src/fuzzing`; how to fuzz for longer in docs/robustness.md.
+//! `crates/testing/src/fuzzing` says what each target promises; docs/robustness.md says how to fuzz for longer.
 
 use sidc_discover::SplitMix;
 
 use sidc_testing::fuzzing as fuzz;
 use sidc_testing::program::root;
 
-/// Longest input made.
+/// Length of the longest derived input.
 const LONGEST: usize = 2_000;
 
-/// The inputs of a folder beside the fuzzer, by name.
+/// The inputs in a subfolder of `fuzz`, by name.
 fn inputs(folder: &str, target: &str) -> Vec<(String, Vec<u8>)> {
     let root = root().join("fuzz").join(folder);
     let entries = std::fs::read_dir(root.join(target)).into_iter().flatten();
@@ -22,7 +22,7 @@ fn inputs(folder: &str, target: &str) -> Vec<(String, Vec<u8>)> {
     all
 }
 
-/// Runs an input; what breaks is shown whole, so that it can become a regression.
+/// Runs an input. A failing one is shown in full, so that it can become a regression.
 fn attack(target: &str, name: &str, data: &[u8]) {
     let run = std::panic::catch_unwind(|| fuzz::attack(target, data));
     assert!(
@@ -32,7 +32,7 @@ fn attack(target: &str, name: &str, data: &[u8]) {
     );
 }
 
-/// One input cut, spliced with another, repeated in part, or with bytes changed.
+/// An input that is cut, spliced with another, partly repeated, or has changed bytes.
 fn mutated(corpus: &[(String, Vec<u8>)], random: &mut SplitMix) -> Vec<u8> {
     let any = |random: &mut SplitMix| match corpus.get(random.below(corpus.len())) {
         Some((_, data)) => data.clone(),
@@ -60,7 +60,7 @@ fn mutated(corpus: &[(String, Vec<u8>)], random: &mut SplitMix) -> Vec<u8> {
     data
 }
 
-/// The corpus, the regressions, and so many inputs made of the corpus.
+/// Runs the corpus, the regressions, and `made` inputs derived from the corpus.
 fn hold(target: &str, made: usize) {
     let corpus = inputs("corpus", target);
     assert!(!corpus.is_empty(), "no corpus for {target}");
@@ -112,7 +112,7 @@ fn factors_against_whole_columns() {
     hold("dictionary", 1500);
 }
 
-/// Each target has a shim, and the fuzzer knows no others.
+/// Each target has a fuzzer binary, and there are no others.
 #[test]
 fn every_target_can_be_fuzzed() {
     let manifest = std::fs::read_to_string(root().join("fuzz/Cargo.toml")).unwrap();

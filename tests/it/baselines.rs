@@ -1,4 +1,4 @@
-//! The heuristics behind `trait Solver`: right where theory says so, honest elsewhere, and never a proof.
+//! The heuristic solvers: right where theory says so, honest elsewhere, and never a proof.
 
 use proptest::prelude::*;
 use sidc::Unwatched;
@@ -46,7 +46,7 @@ fn residual(dictionary: &dyn Dictionary, s: &Solution, target: &[f64]) -> f64 {
     )
 }
 
-/// Coefficients and dual are finite, columns rise and exist, none is zero.
+/// Coefficients and dual are finite; columns exist, are sorted, and have nonzero coefficients.
 fn is_well_formed(dictionary: &dyn Dictionary, s: &Solution) -> bool {
     s.coefficients
         .iter()
@@ -55,7 +55,7 @@ fn is_well_formed(dictionary: &dyn Dictionary, s: &Solution) -> bool {
         && s.dual == vec![0.0; dictionary.rows()]
 }
 
-/// `k` different columns with coefficients of share 1 to 2, either sign.
+/// `k` distinct columns with random signs and contributions from 1 to 2.
 fn planted(phi: &Dense, k: usize, seed: u64) -> Vec<(usize, f64)> {
     let mut random = Random::new(seed);
     let mut terms: Vec<(usize, f64)> = random
@@ -74,7 +74,7 @@ fn columns(s: &Solution) -> Vec<usize> {
     s.coefficients.iter().map(|(j, _)| *j).collect()
 }
 
-/// Stored as nothing at all: counts what is asked of it.
+/// A dictionary that stores no columns and counts how often they are requested.
 struct Unstored(Dense, std::sync::atomic::AtomicUsize);
 
 impl Dictionary for Unstored {
@@ -99,7 +99,7 @@ impl Dictionary for Unstored {
     }
 }
 
-/// Too large to hold: unit vectors as columns, over and over.
+/// A dictionary too large to store: repeated unit vectors.
 struct Vast {
     columns: usize,
 }
@@ -239,7 +239,7 @@ fn values_that_are_not_finite_are_no_answer() {
 
 #[test]
 fn columns_of_any_length_are_treated_alike() {
-    // 1e-300 is treated as zero, 1e300 as any other.
+    // 1e-300 is treated as zero; 1e300 as any other length.
     let scales = [1e300, 1e-200, 1.0, 1e150, 1e-300];
     let phi = gaussian(30, 20, 8, |j| scales[j % 5]);
     let truth: Vec<(usize, f64)> = [5, 6, 7].map(|j| (j, 1.0 / phi.norm(j))).to_vec();
@@ -252,7 +252,7 @@ fn columns_of_any_length_are_treated_alike() {
             assert!((s.coefficient(*j) / c - 1.0).abs() < 1e-12);
         }
     }
-    // Nothing but a column too short to divide by: it cannot explain y, and is no panic.
+    // Columns too short to divide by cannot explain y, and must not cause a panic.
     let tiny = Dense::new(2, vec![1e-300, 0.0, 0.0, 1.0]);
     for solver in heuristics() {
         let s = run(solver, &tiny, &[1.0, 1.0], 0.0);
@@ -260,7 +260,7 @@ fn columns_of_any_length_are_treated_alike() {
             matches!(s.status, Status::Inconsistent { residual } if (residual - 1.0).abs() < 1e-12),
             "{s:?}"
         );
-        // y that no coefficient can carry: 1e300/1e-200 overflows.
+        // No coefficient can represent y: 1e300/1e-200 overflows.
         let far = Dense::new(1, vec![1e-200]);
         let s = run(solver, &far, &[1e300], 0.0);
         assert!(
@@ -298,7 +298,7 @@ fn an_observer_stops_them_and_is_asked_every_time() {
     }
 }
 
-/// What both are for: a baseline to beat. A few terms of few rows of a coherent library they may miss, but never claim.
+/// These are baselines. From few rows of a coherent library they may miss terms, but they must never claim a false answer.
 #[test]
 fn on_a_pendulum_they_fit_what_they_claim() {
     let r = regression(&draw(60, 0), Target::Cart, [2, 2, 2, 3, 2, 2, 2, 2]);
@@ -329,7 +329,7 @@ proptest! {
         }
     }
 
-    /// Noise within ε leaves the support alone.
+    /// Noise within ε does not change the support.
     #[test]
     fn noise_within_the_bound_adds_no_terms(seed in 0u64..100_000, k in 1usize..5) {
         let phi = gaussian(200, 60, seed, |_| 1.0);
@@ -346,8 +346,8 @@ proptest! {
         }
     }
 
-    /// Rows of limited rank, columns over many decades, zero and duplicate columns: what is said to be solved is within ε, and
-    /// what is said to be inconsistent is.
+    /// Rows of limited rank, columns over many decades, zero and duplicate columns: an answer reported as solved is within ε, and one reported as
+    /// inconsistent is.
     #[test]
     fn statuses_are_true_on_hard_problems(
         seed in 0u64..100_000, rows in 1usize..30, cols in 1usize..60, rank in 1usize..24,
@@ -382,7 +382,7 @@ proptest! {
                     prop_assert!(least > allowed, "{} {least:e} {allowed:e}", solver.name());
                     prop_assert!((residual - least).abs() <= 1e-6 * length(&y), "{} {residual:e} {least:e}", solver.name());
                 }
-                // Near the limit of rounding an answer may be missed, which is then said; a clear case never is.
+                // Near the limit of rounding an answer may be missed if that is reported; a clear case never is.
                 other => prop_assert!(least > 0.1 * allowed, "{} {other:?} {least:e} {allowed:e}", solver.name()),
             }
         }

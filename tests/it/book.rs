@@ -1,4 +1,4 @@
-//! The book has every page of docs/ once, and no link of any page leads nowhere. mdBook itself is not run.
+//! The book contains every page of docs/ once, and all links of its pages resolve. mdBook itself is not run.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
@@ -7,13 +7,13 @@ use sidc_testing::program::{file, root};
 
 const SUMMARY: &str = "docs/SUMMARY.md";
 
-/// Folders that hold what was made or fetched, not written.
+/// Folders with generated or downloaded files.
 const MADE: &[&str] = &["target", "node_modules", "artifacts", "corpus"];
 
-/// Parts of docs/reproduction/README.md, with links from there.
+/// Parts of docs/reproduction/README.md; their links are relative to that page.
 const PARTS: &str = "crates/studies/src/bin/reproduce/";
 
-/// Every Markdown file of the project, from the root, with `/` between folders.
+/// Every Markdown file of the project, relative to the root, with `/` as separator.
 fn markdown_files() -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     let mut folders = vec![root().to_path_buf()];
@@ -41,7 +41,7 @@ fn from_root(path: &Path) -> String {
     parts.join("/")
 }
 
-/// The text without fenced and indented code and without code in a line.
+/// The text without fenced, indented and inline code.
 fn prose(text: &str) -> String {
     let mut fenced = false;
     let mut out = String::new();
@@ -57,7 +57,7 @@ fn prose(text: &str) -> String {
     out
 }
 
-/// Goals of the links and pictures of a page.
+/// Targets of the links and images of a page.
 fn links(text: &str) -> Vec<String> {
     let prose = prose(text);
     let goals = prose.split("](").skip(1);
@@ -66,7 +66,7 @@ fn links(text: &str) -> Vec<String> {
         .collect()
 }
 
-/// Anchors of the headings of a page, those of equal headings numbered.
+/// Anchors of the headings of a page; those of equal headings are numbered.
 fn anchors(text: &str) -> BTreeSet<String> {
     let mut seen: BTreeMap<String, usize> = BTreeMap::new();
     let mut found = BTreeSet::new();
@@ -87,7 +87,7 @@ fn anchors(text: &str) -> BTreeSet<String> {
     found
 }
 
-/// A heading as links name it, the same in the book and on GitHub.
+/// The anchor of a heading, the same in the book and on GitHub.
 fn anchor(heading: &str) -> String {
     let words = heading.trim_start_matches('#').trim().to_lowercase();
     let kept = words
@@ -96,7 +96,7 @@ fn anchor(heading: &str) -> String {
     kept.map(|c| if c == ' ' { '-' } else { c }).collect()
 }
 
-/// The goal of a link on `page` from the root, and its heading.
+/// The target of a link on `page`, relative to the root, and its heading.
 fn goal(page: &str, link: &str) -> (String, String) {
     let (path, heading) = link.split_once('#').unwrap_or((link, ""));
     if path.is_empty() {
@@ -144,7 +144,7 @@ fn the_book_has_every_page_once() {
             assert!(pages.contains(&page), "{SUMMARY} lacks {page}");
         }
     }
-    // In the book a link to a page that it lacks would be the name of a file.
+    // In the book, a link to a page that it lacks would become the name of a file.
     for page in &pages {
         for link in links(&file(page)).iter().filter(|l| !is_outside(l)) {
             let goal = goal(page, link).0;

@@ -1,4 +1,4 @@
-//! Derivatives against differences, the tape against plain evaluation, on expressions drawn at random.
+//! Derivatives compared with differences, and the tape with plain evaluation, for random expressions.
 
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -45,7 +45,7 @@ fn points() -> impl Strategy<Value = [f64; 3]> {
     [-2.0..2.0f64, 0.2..2.0, -1.0..1.5]
 }
 
-/// The central difference at 2h, h and h/2, extrapolated, if the three are of one mind: no kink, pole or rounding near.
+/// The extrapolated central difference from steps 2h, h and h/2, if these agree, so that no kink, pole or rounding is near.
 fn difference(e: &Expr, point: [f64; 3], by: usize) -> Option<f64> {
     let slope = |h: f64| {
         let value = |h: f64| {
@@ -61,7 +61,7 @@ fn difference(e: &Expr, point: [f64; 3], by: usize) -> Option<f64> {
     (agree && fine.abs() < 1e6).then_some(fine)
 }
 
-/// True if `holds` for every atom, those in arguments and sums included, and its exponent.
+/// Whether `holds` is true for every atom and its exponent, including those in arguments and sums.
 fn everywhere(e: &Expr, holds: &impl Fn(&Atom, f64) -> bool) -> bool {
     e.terms().flat_map(|(_, t)| t.factors()).all(|(atom, p)| {
         let inside = match atom {
@@ -78,7 +78,7 @@ fn close(a: f64, b: f64, tolerance: f64) -> bool {
 }
 
 proptest! {
-    // The same cases every time: a difference says nothing certain about an expression that is all rounding.
+    // The same cases every time: a difference proves nothing about an expression dominated by rounding.
     #![proptest_config(ProptestConfig {
         cases: 1000,
         rng_seed: RngSeed::Fixed(7),
@@ -93,7 +93,7 @@ proptest! {
         by in 0..3usize,
     ) {
         let wanted = difference(&e, point, by);
-        // `min` and `max` have a value where an argument is NaN, their slopes have not.
+        // `min` and `max` ignore an argument that is NaN; their derivatives do not.
         let sound = everywhere(&e, &|atom, _| atom.eval(&at(point)).is_finite());
         prop_assume!(wanted.is_some() && sound);
         let exact = e.derivative(INPUTS[by]).eval(&at(point));
@@ -110,10 +110,10 @@ proptest! {
     ) {
         let slopes: Vec<Expr> = all.iter().map(|e| e.derivative(INPUTS[0])).collect();
         all.extend(slopes);
-        // Once more, and a part of another.
+        // Outputs that repeat others, whole or in part.
         all.push(all[0].clone());
         all.push(all[0].clone() * all[1].clone());
-        // Every few points one that is hard.
+        // Difficult points in between.
         let hard = [[0.0, -0.0, f64::INFINITY], [f64::NEG_INFINITY, 1.0, f64::NAN], [0.0; 3]];
         let point = |i: usize| match i % 5 {
             4 => hard[i % 3],
@@ -123,10 +123,10 @@ proptest! {
         let tape = Tape::new(&all, &INPUTS).unwrap();
         prop_assert_eq!((tape.inputs(), tape.outputs()), (3, all.len()));
         let mut out = vec![7.0; all.len() * count];
-        // Scratch of any content.
+        // The scratch memory may have any content.
         let mut work = vec![f64::NAN; 100];
         tape.eval(&inputs, count, &mut out, &mut work);
-        // Roots are taken as roots, which cancellation in the terms around would show: they have a test of their own.
+        // Roots are computed as roots, which differ from powers under cancellation, so they have a test of their own.
         let whole = |e: &Expr| everywhere(e, &|_, p| p.abs() != 0.5);
         for (e, row) in all.iter().zip(out.chunks(count)).filter(|(e, _)| whole(e)) {
             for (i, got) in row.iter().enumerate() {
@@ -204,7 +204,7 @@ fn no_points_and_no_expressions_are_fine() {
     assert_eq!((none.outputs(), work.len()), (0, 0));
 }
 
-/// A library of all powers lives in few registers: scratch does not grow with the number of outputs.
+/// A library of all powers needs few registers: scratch memory does not grow with the number of outputs.
 #[test]
 fn scratch_is_reused() {
     let outputs: Vec<Expr> = (1..=200)

@@ -1,4 +1,4 @@
-//! The command line: statuses, messages, determinism, and outputs that are whole or not at all.
+//! The command line: statuses, messages, determinism, and outputs that are complete or absent.
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ fn identify(more: &[&str]) -> Run {
     sidc(&args)
 }
 
-/// A failure: its status, nothing on stdout, and these words on stderr.
+/// A failure: this status, nothing on stdout, and these words on stderr.
 fn refuses(run: &Run, status: i32, words: &[&str]) {
     assert_eq!(run.status, status, "{}", run.stderr);
     assert_eq!(run.stdout, "", "stdout must stay empty");
@@ -110,7 +110,7 @@ fn an_unknown_solver_is_2_with_a_suggestion() {
     );
 }
 
-/// A baseline's answer may be right, but it never passes and never reads as proved.
+/// A baseline's answer may be right, but it never passes and is never shown as proved.
 #[test]
 fn a_baseline_never_passes_as_proved() {
     for solver in ["omp", "stlsq"] {
@@ -128,7 +128,7 @@ fn a_baseline_never_passes_as_proved() {
     }
 }
 
-/// Lines of the tables of `--path`: columns by one space, without the gaps, which are rounding.
+/// Lines of the tables of `--path`, with single blanks between columns and without the gaps, which are rounding.
 fn paths(text: &str) -> String {
     let mut lines = Vec::new();
     let mut inside = false;
@@ -159,7 +159,7 @@ fn a_path_is_a_table_after_each_equation() {
     assert!(!plain.contains("path:"), "{plain}");
 }
 
-/// The document's path: relative figures that fall from 1, terms as in an equation; nothing that reads it minds.
+/// The document's path has relative figures that fall from 1 and terms as in an equation, and all readers accept it.
 #[test]
 fn a_path_is_an_array_of_the_document() {
     let text = identify(&["--path", "--json"]).stdout;
@@ -197,7 +197,7 @@ fn a_path_is_an_array_of_the_document() {
 #[test]
 fn a_long_path_is_cut_in_the_middle() {
     let folder = folder();
-    // Noise that is fitted exactly: about as many knots as rows.
+    // Noise fitted exactly has about as many knots as rows.
     let mut csv = String::from("t,x,w,dx\n");
     let mut state = 1u64;
     for i in 0..160 {
@@ -441,7 +441,7 @@ fn an_output_that_cannot_be_written_is_1() {
     );
 }
 
-/// A file is replaced by renaming; where the folder forbids it, the old one stays as it was.
+/// A file is replaced by renaming; if the folder forbids that, the old file is unchanged.
 #[cfg(unix)]
 #[test]
 fn an_old_result_stays_whole_when_the_new_one_fails() {
@@ -457,7 +457,7 @@ fn an_old_result_stays_whole_when_the_new_one_fails() {
         assert_eq!(std::fs::read_to_string(&out).unwrap(), "old\n");
     }
     mode(0o755);
-    // A faulty model leaves an old result alone too.
+    // A faulty model does not affect an old result either.
     let model = write(folder.path(), "bad.sid", "state x\ndx ~ <y>\n");
     refuses(
         &sidc(&["identify", &model, LORENZ[1], "-o", &out]),
@@ -540,7 +540,7 @@ fn every_option_is_documented() {
     }
 }
 
-/// What an option cannot do beside the others is said before any work, all of it at once.
+/// Options without effect are rejected before any work, all at once.
 #[test]
 fn options_without_effect_are_refused() {
     let words = ["option-without-effect", "--samples", "--window"];
@@ -562,7 +562,7 @@ fn the_same_record_twice_is_said() {
     }
 }
 
-/// What a newcomer does, and what then has to be said.
+/// Typical mistakes of a newcomer, and the required answers.
 #[test]
 fn slips_of_the_first_hour_are_answered() {
     let dir = folder();

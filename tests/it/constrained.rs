@@ -1,4 +1,4 @@
-//! Constraints are solved: what they improve, where they bind, and what is said where they cannot hold.
+//! Constrained regression: what constraints improve, where they bind, and what is reported if they cannot hold.
 
 use std::path::Path;
 
@@ -12,14 +12,14 @@ use sidc_testing::program::{Run, error_codes, file, sidc, sidc_in};
 const CARTS: &str = "models/two_carts.sid";
 const DATA: &str = "models/data/two_carts.csv";
 
-/// The two carts' model without its constraints.
+/// The model of two carts without its constraints.
 fn free() -> String {
     let text = file(CARTS);
     let lines = text.lines().filter(|l| !l.starts_with("constrain"));
     lines.map(|l| format!("{l}\n")).collect()
 }
 
-/// Runs a model with these lines added; the result document too if there is one.
+/// Runs a model with these lines added. Also returns the result document, if there is one.
 fn identified(model: &str, more: &str, table: &str) -> (Run, Value) {
     let folder = tempfile::tempdir().unwrap();
     let put = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
@@ -47,7 +47,7 @@ fn term<'v>(document: &'v Value, target: &str, term: &str) -> &'v Value {
         .unwrap_or(&Value::Null)
 }
 
-/// The coefficient found; 0 for a term that is not in the equation.
+/// The coefficient found; 0 if the term is not in the equation.
 fn coefficient(document: &Value, target: &str, name: &str) -> f64 {
     term(document, target, name)["coefficient"]
         .as_f64()
@@ -62,7 +62,7 @@ fn reasons(document: &Value, target: &str) -> Vec<String> {
     reasons.iter().map(code).collect()
 }
 
-/// The table with more noise on `ddx1`, a draw for each seed.
+/// The table with more noise on `ddx1`, drawn with a seed.
 fn noisier(seed: u64) -> String {
     let mut state = seed;
     let mut unit = || {
@@ -116,7 +116,7 @@ fn equalities_hold_to_rounding_and_the_proof_is_of_the_tied_problem() {
     let u = term(&d, "ddx1", "u");
     assert_eq!(u["coefficient"], 1.0);
     assert_eq!(u["standard_error"], 0.0);
-    // The link is known from the good sensor: its error in ddx1 is half of that in ddx2.
+    // The better sensor determines the link, so its error in ddx1 is half of that in ddx2.
     let error = |t| term(&d, t, "x2 - x1")["standard_error"].as_f64().unwrap();
     assert!((error("ddx1") / error("ddx2") - 0.5).abs() < 1e-9);
     for e in d["equations"].as_array().unwrap() {
@@ -146,7 +146,7 @@ fn a_strict_sign_of_a_term_that_the_data_do_not_show_is_said() {
         (run.status, reasons(&d, "ddx1")),
         (3, vec!["at-bound".into()])
     );
-    // Not strict, there is nothing to say.
+    // Without a strict inequality there is nothing to report.
     let (run, _) = carts("constrain coef(ddx1, x1^3) <= 0\n");
     assert_eq!(run.status, 0, "{}", run.stdout);
 }
@@ -191,7 +191,7 @@ fn a_value_far_from_the_data_is_doubted() {
     assert!(reasons(&d, "ddx1").contains(&"constraint-strained".to_string()));
 }
 
-/// Models that have no answer: exit status 1, nothing on stdout, and this text.
+/// Models without an answer: exit status 1, nothing on stdout, and this text.
 #[test]
 fn constraints_that_cannot_hold_are_named() {
     let cases = [
@@ -249,7 +249,7 @@ fn thousands_of_candidates_are_priced_under_constraints() {
         coefficient(&d, "ddy", "dtheta^2*sin(theta)"),
     );
     assert!((a + b).abs() <= 1e-15 && (b - 0.1774193548).abs() < 1e-9);
-    // The wrong sign: F = F sin² + F cos² is the way out, and it is proved to be the smallest.
+    // With the wrong sign, F = F sin² + F cos² is the way out, and it is proved to have the smallest norm.
     let (run, d) = identify("constrain coef(ddy, F) < 0");
     assert_eq!(
         (run.status, reasons(&d, "ddy")),
@@ -267,7 +267,7 @@ fn thousands_of_candidates_are_priced_under_constraints() {
     assert_eq!(evidence["solver"], "clarabel");
 }
 
-/// Codes of what is wrong with a model.
+/// Codes of the errors of a model.
 fn errors(text: &str) -> Vec<&'static str> {
     let mut sources = Sources::default();
     let file = sources.add("m.sid", text);
@@ -275,7 +275,7 @@ fn errors(text: &str) -> Vec<&'static str> {
     error_codes(&found)
 }
 
-/// Constraints that share nothing are judged apart, those that share coefficients up to a number: neither takes the day.
+/// Independent constraints are checked separately; coupled ones up to a number of them. Neither takes long.
 #[test]
 fn thousands_of_constraints_are_judged_in_time() {
     let states: Vec<String> = (1..=400).map(|i| format!("dx{i} ~ <x1, x{i}>\n")).collect();

@@ -1,10 +1,10 @@
-//! Constraints inside the joint estimate, on noisy readings: what the answer obeys changes nothing, what it breaks is obeyed, named with
-//! what it costs, or refused.
+//! Constraints in the joint estimate, on noisy readings. Constraints that the answer satisfies change nothing; others are enforced with their cost reported,
+//! or rejected.
 
 use serde_json::Value;
 use sidc_testing::program::{Run, sidc_in};
 
-/// Readings at even times of a system z' = f(z), with noise of a fixed size on the named states, the first of `names.len()`.
+/// Readings at even times of a system z' = f(z), with noise of fixed size on the named states, which are the first ones.
 struct Simulated {
     table: String,
 }
@@ -61,7 +61,7 @@ impl Simulated {
 
 const PREY: &str = "state x, y\ndx, dy ~ poly(x, y; 2)\n";
 
-/// Lotka and Volterra, what one eats the other grows by.
+/// Lotka and Volterra's predator and prey; prey eaten becomes predators.
 fn prey() -> Simulated {
     Simulated::new(&["x", "y"], &[2.0, 1.0], 0.02, &|z| {
         let eaten = 0.8 * z[0] * z[1];
@@ -74,7 +74,7 @@ fn equation<'v>(document: &'v Value, target: &str) -> &'v Value {
     all.find(|e| e["target"] == target).unwrap()
 }
 
-/// Coefficient and standard error of a term; zero where it is absent.
+/// Coefficient and standard error of a term; zero if it is absent.
 fn term(document: &Value, target: &str, name: &str) -> (f64, f64) {
     let mut terms = equation(document, target)["terms"]
         .as_array()
@@ -138,7 +138,7 @@ fn what_one_loses_the_other_gains() {
     assert!((a + b).abs() <= 1e-12 * b && a < 0.0, "{a} {b}");
     assert!((error / same - 1.0).abs() < 1e-9, "{error} {same}");
     let (c, d) = (term(&free, "dx", "x*y"), term(&free, "dy", "x*y"));
-    // Known from both equations, it is known better than from each.
+    // An estimate from both equations is better than one from each.
     assert!(error < c.1 && error < d.1, "{error} {} {}", c.1, d.1);
     assert!((b - 0.8).abs() < 4.0 * error, "{b} {error}");
     for target in ["dx", "dy"] {
@@ -182,7 +182,7 @@ fn a_bound_that_binds_is_met_and_named_with_its_cost() {
 fn a_sign_against_the_data_is_doubted_where_other_terms_fit_and_refused_where_none_do() {
     let data = prey();
     let sign = "constrain coef(dx, x) <= 0\n";
-    // Five terms of a rich library make up for the growth.
+    // Five terms of a rich library compensate for the missing growth.
     let (run, d) = data.identified(PREY, sign);
     assert_eq!(run.status, 3, "{}", run.stdout);
     assert_joint(&d);

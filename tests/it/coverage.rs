@@ -1,10 +1,10 @@
-//! Standard errors are true: intervals hold the known coefficients as often as they say.
+//! Standard errors are right: intervals contain the known coefficients as often as they claim.
 
 use sidc_studies::coverage::figures::Row;
 use sidc_studies::coverage::{accelerometer, odebench, run, sampled_input};
 
-/// Some draws of a case: all intervals together, and the size of every standard error. `cargo run --release -p sidc-studies --bin coverage`
-/// does 200 draws of all cases.
+/// Draws a case a few times and checks all intervals together, and the size of every standard error. `cargo run --release -p sidc-studies --bin coverage`
+/// makes 200 draws of all cases.
 fn holds(name: &str, count: u64, exact: usize) {
     let mut all = odebench::cases();
     all.extend(accelerometer::cases());
@@ -25,13 +25,13 @@ fn holds(name: &str, count: u64, exact: usize) {
     }
 }
 
-/// Weak damping seen over many swings: the slack that the fit gives to its laws is no error of the answer.
+/// With weak damping over many swings, the slack in the laws must not add to the errors of the coefficients.
 #[test]
 fn the_slack_of_the_laws_is_no_error_of_the_coefficients() {
     holds("ode32_double_well", 40, 40);
 }
 
-/// Samples of an input do not say what it did between them: both answers lie in the intervals.
+/// Samples of an input leave open what it did between them, so the intervals must contain both answers.
 #[test]
 fn inputs_between_samples_widen_the_intervals() {
     for case in sampled_input::cases() {
@@ -40,12 +40,12 @@ fn inputs_between_samples_widen_the_intervals() {
         let (covered, all) = row.covered();
         let text = format!("{}\n{}", row.text(), row.terms_text());
         assert!(all >= 33, "{text}");
-        // One draw that is off misses with all of its terms.
+        // A draw with a large error misses with all of its terms.
         assert!(f64::from(covered) >= 0.85 * f64::from(all), "{text}");
     }
 }
 
-/// Least squares on a target whose errors are white, and on one whose errors last for some samples.
+/// Least squares on a target with white errors, and on one with correlated errors.
 #[test]
 fn errors_that_follow_each_other_widen_the_intervals() {
     holds("accelerometer", 80, 80);

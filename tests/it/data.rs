@@ -1,4 +1,4 @@
-//! Tables, bindings and samples: what a user's file becomes, and what is said about a bad one.
+//! Tables, bindings and samples: how a user's file is read, and what is reported about a bad one.
 
 #![allow(clippy::expect_used, clippy::panic)]
 
@@ -15,7 +15,7 @@ use sidc_lang::term::{Expr, Signal, VarId};
 
 // ---- Models, built by hand: this stage does not know the parser. ----
 
-/// `t`, then the given variables; every signal up to its order is mentioned by one equation.
+/// `t` and the given variables; one equation mentions every signal up to its order.
 fn model(sources: &mut Sources, vars: &[(&str, VarKind, u8)]) -> Model {
     let text: Vec<String> = vars
         .iter()
@@ -97,7 +97,7 @@ fn table(sources: &mut Sources, name: &str, text: impl AsRef<[u8]>) -> Table {
     data::read(name, text.as_ref(), &Limits::default(), sources).expect("a table")
 }
 
-/// Rows of a table from functions of time.
+/// A table with values from functions of time.
 fn csv(header: &str, time: &[f64], signals: &[&dyn Fn(f64) -> f64]) -> String {
     let mut out = format!("{header}\n");
     for t in time {
@@ -118,7 +118,7 @@ fn codes(ds: &[Diagnostic]) -> Vec<&str> {
     ds.iter().map(|d| d.code).collect()
 }
 
-/// A plain rendering, to judge wording and places by.
+/// A plain rendering, to check wording and positions.
 fn show(ds: &[Diagnostic], sources: &Sources) -> String {
     let mut out = String::new();
     for d in ds {
@@ -153,7 +153,7 @@ fn show(ds: &[Diagnostic], sources: &Sources) -> String {
     out
 }
 
-// ---- Files that are refused. ----
+// ---- Files that are rejected. ----
 
 #[test]
 fn bad_files() {
@@ -241,7 +241,7 @@ fn harmless_variants_are_read_alike() {
     }
 }
 
-/// Whatever mixture of line ends a file has: what is shown of a cell is what was read of it.
+/// For any mixture of line ends, the cell shown is the cell that was read.
 #[test]
 fn a_line_ends_where_it_ended_when_it_was_read() {
     let mut sources = Sources::default();
@@ -255,7 +255,7 @@ fn a_line_ends_where_it_ended_when_it_was_read() {
     }
 }
 
-/// As a German spreadsheet writes it, and with the dates of a logger.
+/// As written by a German spreadsheet, and with dates from a logger.
 #[test]
 fn decimal_commas_and_dates_are_numbers() {
     let mut sources = Sources::default();
@@ -551,7 +551,7 @@ fn derivatives_are_used_if_measured_and_estimated_from_the_highest_below() {
 
 #[test]
 fn estimates_respect_the_jumps_of_a_held_input() {
-    // ẍ = u with u held: a chain of parabolas, exact within every stretch, second derivative u to the right of a jump.
+    // ẍ = u with held u gives consecutive parabolas: the estimate is exact within each, and at a jump it is u to its right.
     let step = 0.05;
     let (mut x, mut v) = (0.3, 0.0);
     let mut text = String::from("t,x,u\n");

@@ -1,5 +1,5 @@
-//! Delays that a model declares: of inputs, which act later than recorded, and of sensors, which read late. The systems are integrated here, by
-//! fine fixed steps from knot to knot, so that the coefficients are known.
+//! Delays declared in a model: of inputs, which act later than recorded, and of sensors, which read late. The systems are integrated here by small fixed
+//! steps from knot to knot, so that the coefficients are known.
 
 use std::fs;
 use std::path::Path;
@@ -10,9 +10,9 @@ use sidc_testing::program::{Run, sidc_in};
 
 const STEP: f64 = 0.05;
 const ROWS: usize = 300;
-/// 2.37 samples.
+/// A delay of 2.37 samples.
 const DELAY: f64 = 2.37 * STEP;
-/// Of ddx = -4 x - 0.4 dx + u.
+/// The law ddx = -4 x - 0.4 dx + u.
 const LAW: [(&str, f64); 3] = [("x", -4.0), ("dx", -0.4), ("u", 1.0)];
 
 /// How an input moves between its samples.
@@ -40,7 +40,7 @@ impl Moves {
     }
 }
 
-/// A level that changes every six samples; smoothed to ramps for inputs on straight lines.
+/// A level that changes every six samples, smoothed to ramps for inputs that are linear between samples.
 fn input(moves: Moves, seed: u64) -> Vec<f64> {
     let mut random = Random::new(seed);
     let mut level = 0.0;
@@ -58,8 +58,8 @@ fn input(moves: Moves, seed: u64) -> Vec<f64> {
     (0..ROWS).map(mean).collect()
 }
 
-/// Position and velocity at these instants, from x = 1 at rest at t = 0. The input acts `late` seconds late. Runge-Kutta of order four between
-/// all instants and all knots of the input, in eight steps each.
+/// Position and velocity at these times, from x = 1 at rest at t = 0, with the input delayed by `late` seconds. Fourth-order Runge–Kutta with eight steps
+/// between consecutive times or knots of the input.
 fn states(u: &[f64], moves: Moves, late: f64, instants: &[f64]) -> Vec<[f64; 2]> {
     let mut knots: Vec<f64> = (0..ROWS).map(|k| k as f64 * STEP + late).collect();
     knots.extend(instants);
@@ -77,7 +77,7 @@ fn states(u: &[f64], moves: Moves, late: f64, instants: &[f64]) -> Vec<[f64; 2]>
         let h = (pair[1] - pair[0]) / 8.0;
         for part in 0..8 {
             let at = pair[0] + f64::from(part) * h;
-            // Just inside of the step, where a held input has one value.
+            // Just inside the step, where a held input has a unique value.
             let inside = [at + 1e-7 * h, at + 0.5 * h, at + (1.0 - 1e-7) * h];
             let [a, b, c] = inside.map(|t| moves.at(u, t - late));
             let rate = |z: [f64; 2], u: f64| [z[1], -4.0 * z[0] - 0.4 * z[1] + u];
@@ -132,7 +132,7 @@ fn identify(folder: &Path, model: &str, record: &str, options: &[&str]) -> (Run,
     (run, document)
 }
 
-/// The largest distance of a coefficient of ddx from the law, all terms counted.
+/// The largest error of a coefficient of ddx, over all terms.
 fn off(document: &Value) -> f64 {
     let terms = document["equations"][0]["terms"].as_array().unwrap();
     let found = |name: &str| {
@@ -187,7 +187,7 @@ fn regression_knows_a_delay_too() {
         ]);
         let options = ["--method", "regression"];
         let with = identify(folder.path(), &model(moves, KNOWN), &record, &options);
-        // Rates of a record without noise are those that its samples give, to the error of a polynomial.
+        // Rates from samples without noise are accurate up to the error of the local polynomial.
         assert!(off(&with.1) < 5e-3, "{}", with.0.stdout);
         assert_eq!(with.0.status, 0, "{}", with.0.stdout);
         let without = identify(folder.path(), &model(moves, ""), &record, &options);
@@ -209,14 +209,14 @@ fn a_delay_that_is_sought_is_in_its_interval() {
         let delay = &document["delays"][0];
         let [low, high] = [0, 1].map(|i| delay["interval"][i].as_f64().unwrap());
         assert!(low < DELAY && DELAY < high, "{delay}");
-        // Of the order that a change of a level between two readings tells.
+        // About the precision that a change of level between two readings allows.
         assert!(high - low < 6.0 * sigma, "{delay}");
         assert!(off(&document) < 6.0 * sigma, "{}", run.stdout);
         assert_eq!(run.status, 0, "{}", run.stdout);
     }
 }
 
-/// The readings of x are [`DELAY`] late, those of v are not.
+/// The readings of x are delayed by [`DELAY`], those of v are not.
 fn late_sensor(sigma: f64) -> String {
     let u = input(Moves::Held, 9);
     let early: Vec<f64> = times().iter().map(|t| (t - DELAY).max(0.0)).collect();

@@ -1,19 +1,19 @@
-//! What the crate asks of those who build it.
+//! What the project requires of those who build it.
 
 use std::path::PathBuf;
 use std::process::Command;
 
 use sidc_testing::program::root;
 
-/// Numbers of `1.89` or `1.89.0`.
+/// The numbers of `1.89` or `1.89.0`.
 fn version(text: &str) -> Vec<u32> {
     let mut numbers: Vec<u32> = text.split('.').map(|n| n.parse().unwrap()).collect();
     numbers.resize(3, 0);
     numbers
 }
 
-/// Name, version and licence of every crate that is built here. Others, like those of the Python package, need not have been fetched, so
-/// `cargo metadata` cannot be asked; `cargo deny` looks at all.
+/// Name, version and licence of every crate built here. `cargo metadata` cannot be used: other crates, such as those of the Python package, may not have been
+/// fetched. `cargo deny` checks them all.
 fn crates() -> Vec<(String, String, String)> {
     let run = Command::new(env!("CARGO"))
         .args(["tree", "--locked", "--offline", "--prefix", "none"])
@@ -51,7 +51,7 @@ fn registries() -> Vec<PathBuf> {
     folders.map(|f| f.unwrap().path()).collect()
 }
 
-/// The compiler that `Cargo.toml` names suffices for every crate; clippy looks at what our own code asks of it.
+/// The compiler version in `Cargo.toml` suffices for every dependency; clippy checks our own code.
 #[test]
 fn the_oldest_compiler_is_new_enough_for_all_dependencies() {
     let own = version(env!("CARGO_PKG_RUST_VERSION"));
@@ -78,8 +78,8 @@ fn the_oldest_compiler_is_new_enough_for_all_dependencies() {
     assert!(read > 50, "{read} manifests in {registries:?}");
 }
 
-/// Every crate can be had under licences that `deny.toml` allows. `cargo deny check` reads licences whole; here no expression has
-/// an OR around an AND.
+/// Every crate is available under a licence that `deny.toml` allows. `cargo deny check` parses licences completely; here no expression may have an OR around
+/// an AND.
 #[test]
 fn licences_are_those_allowed() {
     let deny = std::fs::read_to_string(root().join("deny.toml")).unwrap();

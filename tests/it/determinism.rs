@@ -1,13 +1,13 @@
-//! The same bytes: whatever the number of cores, the place, the language of the user, and however often.
+//! Output has the same bytes for any number of cores, folder and locale, and on every run.
 //!
-//! The long form of this is `tests/same_bytes.sh`.
+//! `tests/same_bytes.sh` is the longer form of this test.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use sidc_testing::program::root;
 
-/// Every command's arguments; `FILE.json` and the like are made in the folder of the run.
+/// Arguments of every command; `FILE.json` and the like are made in the folder of the run.
 const COMMANDS: &[&[&str]] = &[
     &["check", "lorenz.sid", "lorenz.csv"],
     &[
@@ -66,7 +66,7 @@ const COMMANDS: &[&[&str]] = &[
     &["linearize", "large.json", "--at", "theta=pi"],
 ];
 
-/// Runs all commands in a folder of their own; what each printed, and every file that was made, by name.
+/// Runs all commands in a folder of their own. Returns what each printed, and every file written, by name.
 fn all(before: &[&str], environment: &[(&str, &str)]) -> Vec<(String, Vec<u8>)> {
     let folder = tempfile::tempdir().unwrap();
     for name in ["lorenz", "pendulum", "lotka_volterra", "two_carts"] {

@@ -1,4 +1,4 @@
-//! Factored dictionaries against the same library listed: norms, columns, correlations, and what is not finite.
+//! Factored dictionaries compared with the same libraries as lists: norms, columns, correlations, and values that are not finite.
 
 use proptest::prelude::*;
 use sidc_data::{Column, Origin, Samples};
@@ -21,7 +21,7 @@ fn function(name: &str, of: Expr) -> Expr {
     Expr::call(Func::named(name).unwrap(), vec![of])
 }
 
-/// Signals 1, 2, … with the values given.
+/// Samples of the signals 1, 2, … with these values.
 fn samples(columns: &[Vec<f64>]) -> Samples {
     let rows = columns[0].len();
     let column = |(i, values): (usize, &Vec<f64>)| Column {
@@ -36,7 +36,7 @@ fn samples(columns: &[Vec<f64>]) -> Samples {
     }
 }
 
-/// Random signals, the k-th of the size 10^decades[k].
+/// Random signals, the k-th of size 10^decades[k].
 fn random_samples(rows: usize, decades: &[i32], random: &mut Random) -> Samples {
     let column = |d: &i32| {
         (0..rows)
@@ -47,7 +47,7 @@ fn random_samples(rows: usize, decades: &[i32], random: &mut Random) -> Samples 
     samples(&columns)
 }
 
-/// Powers 0, 1, … of the signals, multiplied: the first `count` products.
+/// The first `count` products of powers 0, 1, … of the signals.
 fn products(signals: &[usize], most: usize, count: usize) -> Vec<Term> {
     let all = signals.iter().fold(vec![Term::one()], |terms, s| {
         let raise = |t: &Term| -> Vec<Term> {
@@ -71,7 +71,7 @@ fn size(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Both forms of one library agree in everything that can be asked.
+/// Both forms of a library agree in all answers.
 fn assert_agree(library: &Library, samples: &Samples, weights: Option<&[f64]>, lambda: &[f64]) {
     let (slots, terms): (Vec<usize>, Vec<Term>) = library.terms().unzip();
     let factored = compile(library, samples, weights).unwrap();
@@ -113,7 +113,7 @@ fn assert_agree(library: &Library, samples: &Samples, weights: Option<&[f64]>, l
         assert_eq!(a.0, slots[b.0]);
         assert!((a.1 - b.1).abs() <= 1e-12 * size(lambda));
     }
-    // Fewer are the first of all.
+    // A shorter list is the beginning of the longer one.
     let few = factored.price(lambda, 5, least);
     assert_eq!(few.columns, all.columns[..few.columns.len()]);
     assert_eq!(few.columns.len(), all.columns.len().min(5));
@@ -154,7 +154,7 @@ proptest! {
             left: vec![Term::one(), term(signal(l))],
             right: vec![Term::one(), term(signal(r)), term(function("tanh", signal(r)))],
         };
-        // Those whose product is a number.
+        // Only blocks whose products do not overflow.
         let mut blocks = vec![block(1, 3)];
         if (a + b).abs() < 290 {
             blocks.push(block(1, 2));
@@ -180,7 +180,7 @@ fn many_tiles_agree() {
     assert_agree(&library, &samples, None, &lambda);
 }
 
-/// Where one factor is large the other is small: the squares of both together vanish, the column does not.
+/// One factor is large where the other is small: their squares underflow, but the column does not.
 #[test]
 fn lengths_survive_factors_that_hardly_overlap() {
     let samples = samples(&[vec![1.0, 1e-170, 0.0], vec![1e-170, 1.0, 0.0]]);
@@ -215,18 +215,18 @@ fn the_first_term_that_is_not_finite_is_named() {
         right: vec![term(signal(3)), term(inverse.clone()), term(big.pow(2.0))],
     };
     let library = |empty: &[usize]| Library::products(vec![block.clone()], empty.to_vec());
-    // Slot 1 is 1/x: no number in row 2.
+    // Slot 1 is 1/x, which has no value in row 2.
     let bad = refused(&library(&[]), &samples);
     assert_eq!((&bad.term, bad.row, bad.value), (&term(inverse), 2, 0.0));
     assert_eq!(bad.atom, Some(Atom::Signal(Signal::new(VarId(1)))));
-    // Slot 2 has the square of 1e200, an infinity; the row of its own.
+    // Slot 2 has the square of 1e200, which overflows; the reported row is its own.
     let bad = refused(&library(&[1]), &samples);
     assert_eq!((bad.row, bad.value), (0, 1e200));
-    // Slots 3 and 6: finite, then a logarithm.
+    // Slots 3 and 6: first finite, then a logarithm without a value.
     let bad = refused(&library(&[1, 2, 4, 5]), &samples);
     assert_eq!((bad.row, bad.value), (1, -2.0));
     assert!(matches!(bad.atom, Some(Atom::Call(..))));
-    // Nothing is wrong with what is left.
+    // The remaining slots are all finite.
     let phi = compile(&library(&[1, 2, 4, 5, 6, 7, 8]), &samples, None).unwrap();
     assert_eq!(phi.cols(), 9);
     assert!(phi.is_finite());
@@ -250,7 +250,7 @@ fn a_product_of_finite_factors_may_overflow() {
 #[test]
 fn memory_is_known_before_anything_is_evaluated() {
     let listed = Library::listed(products(&[1, 2], 9, 100));
-    // Φ, 18 powers and the weights on 1000 rows, 100 norms.
+    // Φ, 18 powers and the weights on 1000 rows, and 100 norms.
     assert_eq!(bytes(&listed, 1000), 8 * (119 * 1000 + 100));
     let thirteen: Vec<usize> = (1..=13).collect();
     let (left, right) = thirteen.split_at(6);
@@ -264,7 +264,7 @@ fn memory_is_known_before_anything_is_evaluated() {
     assert_eq!(bytes(&library, 200), 8 * (factors * 200 + 1_594_323));
 }
 
-/// Numbers so large that their sum with λ is none: the correlation is still that of the column's direction.
+/// The sum with λ overflows, but the correlation must be that of the normalised column.
 #[test]
 fn correlations_do_not_overflow() {
     let samples = samples(&[vec![1.2e308, 1e308], vec![1.0, 1e-300]]);

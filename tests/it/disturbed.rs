@@ -1,4 +1,4 @@
-//! Laws that white noise or slow forces drive: their terms, their intervals, what is said of the disturbance, and where it is doubted.
+//! Laws driven by white noise or slow forces: their terms, their intervals, what is reported of the disturbance, and where it is a doubt.
 
 use std::fs;
 
@@ -10,7 +10,7 @@ use sidc_testing::stochastic::path;
 
 const STEP: f64 = 0.05;
 
-/// The columns as a table whose first one is the time.
+/// The columns as a table with a time column.
 fn csv(names: &str, columns: &[Vec<f64>]) -> String {
     let mut text = format!("t,{names}\n");
     for (k, t) in grid(columns[0].len(), STEP).iter().enumerate() {
@@ -20,7 +20,7 @@ fn csv(names: &str, columns: &[Vec<f64>]) -> String {
     text
 }
 
-/// The run and the document of a model on a table.
+/// Runs a model on a table. Returns the run and the document.
 pub fn identify(model: &str, data: &str, more: &[&str]) -> (Run, Value) {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("m.sid"), model).unwrap();
@@ -32,7 +32,7 @@ pub fn identify(model: &str, data: &str, more: &[&str]) -> (Run, Value) {
     (run, serde_json::from_str(&found).unwrap())
 }
 
-/// How many standard errors each coefficient of the only equation is off the truth; its terms must be those given.
+/// The errors of the coefficients of the only equation, in standard errors. Its terms must be those given.
 fn deviations(found: &Value, truth: &[(&str, f64)]) -> Vec<f64> {
     let terms = found["equations"][0]["terms"].as_array().unwrap();
     let names: Vec<&str> = terms.iter().map(|t| t["term"].as_str().unwrap()).collect();
@@ -54,7 +54,7 @@ fn disturbance(found: &Value) -> &Value {
     &found["equations"][0]["evidence"]["together"]["disturbance"]
 }
 
-/// Positions of a double well driven by white noise, read with a sensor of this noise.
+/// Positions of a double well driven by white noise, read with sensor noise of this size.
 fn double_well(seed: u64, sensor: f64) -> String {
     let mut random = Random::new(seed);
     let law = |x: &[f64; 1]| [x[0] - x[0].powi(3)];
@@ -123,7 +123,7 @@ fn an_oscillator_driven_by_white_noise_is_found_from_its_position() {
     }
 }
 
-/// A pendulum in gusts that last half a second, read with noise 0.002.
+/// A pendulum in gusts correlated over half a second, read with noise of 0.002.
 fn gusts() -> String {
     let mut random = Random::new(8);
     let law = |x: &[f64; 3]| {
@@ -148,7 +148,7 @@ fn a_force_that_lasts_is_estimated_with_the_law_and_doubted() {
     for off in deviations(&found, &[("dx", -0.4), ("sin(x)", -20.0)]) {
         assert!(off.abs() < 3.5, "{off}\n{}", run.stdout);
     }
-    // 3 / √(2·2) = 1.5, for 1/2 s.
+    // 3 / √(2·2) = 1.5, with a correlation time of 1/2 s.
     let size = disturbance(&found)["size"].as_f64().unwrap();
     let memory = disturbance(&found)["memory"].as_f64().unwrap();
     assert!((size / 1.5 - 1.0).abs() < 0.2, "{size}");
@@ -157,7 +157,7 @@ fn a_force_that_lasts_is_estimated_with_the_law_and_doubted() {
     assert!(codes(&found).contains(&"disturbed"), "{}", run.stdout);
 }
 
-/// A mass on a spring under forces that change at every sample and are recorded with noise 0.7: x, u.
+/// A mass on a spring under forces that change at every sample and are recorded with noise of 0.7: x, u.
 fn forced(seed: u64) -> String {
     let mut random = Random::new(seed);
     let mut z = [0.3, 0.0];
@@ -181,7 +181,7 @@ fn declared_noise_of_an_input_no_longer_shrinks_its_coefficient() {
     for off in deviations(&found, &truth) {
         assert!(off.abs() < 3.5, "{off}\n{}", run.stdout);
     }
-    // Taken at its word, the record makes it 1.5²/(1.5² + 0.7²) = 0.82.
+    // Without the declared noise of the input, its coefficient becomes 1.5²/(1.5² + 0.7²) = 0.82.
     let (_, found) = identify(&model.replace(", noise 0.7", ""), &data, &[]);
     assert!(deviations(&found, &truth)[2] < -6.0);
 }

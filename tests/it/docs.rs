@@ -1,7 +1,7 @@
-//! What the documents show is what the program prints.
+//! The outputs shown in the documentation are what the program prints.
 //!
-//! Every block that follows `<!-- output: sidc … -->` is compared with a run; `SIDC_WRITE_DOCS=1 cargo test shown_outputs` writes
-//! them anew. Commands in ```sh blocks are run too, so that none goes stale.
+//! Every block after `<!-- output: sidc … -->` is compared with a run; `SIDC_WRITE_DOCS=1 cargo test shown_outputs` rewrites them. Commands in ```sh blocks
+//! are run too, so that none becomes outdated.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -29,13 +29,13 @@ const DOCUMENTS: &[&str] = &[
 /// Relative difference that rounding may make in a coefficient of six digits.
 const SAME: f64 = 1e-5;
 
-/// What the commands of a document make and use: results, and pages, code and models that lie in no folder.
+/// Whether a file is made by the commands of a document: results, and pages, code and models that are not in a folder.
 fn is_made(name: &str) -> bool {
     let made = [".html", ".py", ".sid"].iter().any(|e| name.ends_with(e));
     name.ends_with(".json") || (made && !name.contains('/'))
 }
 
-/// Runs a command of a document; what it makes goes to and comes from `folder`.
+/// Runs a command of a document; the files it makes are in `folder`.
 fn run(command: &str, folder: &Path) -> Run {
     let args: Vec<String> = command
         .split_whitespace()
@@ -54,13 +54,13 @@ fn run(command: &str, folder: &Path) -> Run {
     }
 }
 
-/// Command of a marker line.
+/// The command in a marker line.
 fn marked(line: &str) -> Option<&str> {
     let command = line.trim().strip_prefix("<!-- output: ")?;
     command.strip_suffix(" -->")
 }
 
-/// The document with every shown output replaced by what the program says now, and the differences found on the way.
+/// The document with every shown output replaced by the current one, and the differences found.
 fn renewed(name: &str, folder: &Path) -> (String, Vec<String>) {
     let text = file(name);
     let mut out = String::new();
@@ -156,7 +156,7 @@ fn rounding_is_no_difference_and_words_are() {
     assert!(!alike(&line("1.3e-11", 4), &line("1.3e-11", 3)));
 }
 
-/// Codes in double quotes behind `mark` in the source of the program.
+/// Quoted codes after `mark` in the program's source.
 fn codes_behind(mark: &str, close: char) -> Vec<String> {
     let mut folders = vec![root().join("src"), root().join("crates")];
     let mut codes = Vec::new();
@@ -183,7 +183,7 @@ fn codes_behind(mark: &str, close: char) -> Vec<String> {
     codes
 }
 
-/// Doubts and failures, and the errors of the command line, have their lines as diagnostics do.
+/// Doubts, failures and errors of the command line are documented like diagnostics.
 #[test]
 fn every_reason_is_documented() {
     let table = file("docs/diagnostics.md");
@@ -212,7 +212,7 @@ fn every_reason_is_documented() {
     }
 }
 
-/// Examples in comments. They run here and not at the end of `cargo test`, where it is said what was skipped.
+/// Runs the examples in comments here, because the end of `cargo test` lists the skipped runtimes.
 #[test]
 fn examples_in_comments_run() {
     let own = std::env::current_exe().unwrap();

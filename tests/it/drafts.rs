@@ -1,4 +1,4 @@
-//! `sidc new`: first models of tables, which mean something and can be used as they stand.
+//! `sidc new`: first models of tables are meaningful and can be used unchanged.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ use sidc_testing::plants::rigs;
 use sidc_testing::program::{file, models, root, sidc, sidc_in};
 use sidc_testing::random::Random;
 
-/// Rows that a record of other people's is used from.
+/// Number of rows used of other people's records.
 const ROWS: usize = 1500;
 
 fn tables(folder: &Path) -> Vec<PathBuf> {
@@ -26,7 +26,7 @@ fn tables(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// Writes a model of a table and uses it.
+/// Writes a model for a table and uses it unchanged.
 fn is_used_as_it_stands(table: &Path, folder: &Path) {
     let model = folder.join("model.sid");
     let (table, model) = (table.to_str().unwrap(), model.to_str().unwrap());
@@ -104,18 +104,18 @@ fn shapes_and_headers_decide() {
     ] {
         assert!(model.contains(line), "{line}\n{model}");
     }
-    // Degrees a millisecond, as the slope of the angle says.
+    // The unit, degrees per millisecond, follows from the slope of the angle.
     assert!(
         model.contains("dAngle = \"rate\" * pi/180 * 1e3"),
         "{model}"
     );
 }
 
-/// Laws of other order than their positions show, at any noise: a state that acts on or through a hidden one, and a rate that no
-/// polynomial comes near.
+/// States whose positions suggest another order than that of their laws, at any noise: a state coupled to a hidden one, and a rate that polynomials
+/// approximate badly.
 const UNSEEN_ORDERS: [(&str, &str); 3] = [("predator", "prey"), ("seir", "I"), ("allee", "x")];
 
-/// The table of a gallery model without rates, with noise of this part of its spread on each state.
+/// The table of a gallery model without rates, with noise on each state relative to its spread.
 fn positions(table: &str, states: &[String], noise: f64, random: &mut Random) -> String {
     let mut lines = table.lines().filter(|l| !l.starts_with('#'));
     let header: Vec<&str> = lines.next().unwrap().split(',').collect();
@@ -170,7 +170,7 @@ fn orders(model: &Model) -> Vec<(String, u8)> {
     states.map(|v| (v.name.clone(), v.order)).collect()
 }
 
-/// Whether a state has a law of first or second order, from noisy positions alone.
+/// The order of a state's law is guessed from noisy positions alone.
 #[test]
 fn orders_are_guessed_from_positions() {
     let mut random = Random::new(7);
@@ -205,7 +205,7 @@ fn orders_are_guessed_from_positions() {
     assert!(wrong.is_empty(), "of {guessed}:\n{}", wrong.join("\n"));
 }
 
-/// Of bodies on bodies the first model holds the law, whatever was measured of their motion.
+/// For coupled bodies the first model contains the law, whatever was measured of their motion.
 #[test]
 fn coupled_bodies_are_found_from_first_models() {
     let folder = tempfile::tempdir().unwrap();
@@ -227,13 +227,13 @@ fn coupled_bodies_are_found_from_first_models() {
     }
 }
 
-/// A table of 200 rows from a header and what stands in row k.
+/// A table of 200 rows, with a function for row k.
 fn table_of(header: &str, row: impl Fn(f64) -> String) -> String {
     let rows: String = (0..200).map(|k| row(f64::from(k)) + "\n").collect();
     format!("{header}\n{rows}")
 }
 
-/// An input, and how a body follows it.
+/// An input, and the motion of a body that follows it.
 fn push(k: f64) -> (f64, f64) {
     let t = 0.05 * k;
     (
@@ -242,7 +242,7 @@ fn push(k: f64) -> (f64, f64) {
     )
 }
 
-/// Tables as loggers write them, and lines of the model that one would want.
+/// Tables as loggers write them, and the desired lines of the model.
 #[test]
 fn tables_as_they_come() {
     let with = |header: &str, row: &dyn Fn(f64, f64, f64) -> String| {
@@ -356,7 +356,7 @@ fn tables_as_they_come() {
             ],
         ),
         (
-            // A gyro in degrees per second, with a twentieth of noise, beside an angle with a hundredth.
+            // A gyro in degrees per second with 5 % noise, and an angle with 1 %.
             with("t,pitch_deg,gyro_dps", &|k, _, _| {
                 let time = 0.05 * k;
                 let noise = |seed: f64| (k * seed).sin() * 1.4;
@@ -411,7 +411,7 @@ fn tables_as_they_come() {
     }
 }
 
-/// White noise through a lag of a second, and what a body, a pendulum or two tanks make of it; without names that say so.
+/// White noise passed through a lag of one second drives a body, a pendulum or two tanks. Names give no hints.
 fn driven(plant: &str, noise: f64, random: &mut Random) -> String {
     let (step, fine) = (0.05, 10);
     let h = step / f64::from(fine);
@@ -446,7 +446,7 @@ fn driven(plant: &str, noise: f64, random: &mut Random) -> String {
     format!("{header}\n{}", rows.collect::<String>())
 }
 
-/// Commands that no name gives away, in simulated plants and in the gallery, whose columns lose their names here; and no state is one.
+/// Inputs are recognised without telling names, in simulated plants and in the gallery with its columns renamed, and no state is taken for one.
 #[test]
 fn inputs_are_known_by_their_values() {
     let mut random = Random::new(11);
@@ -479,7 +479,7 @@ fn inputs_are_known_by_their_values() {
         }
         let table = positions(&table, &states, 0.0, &mut random);
         let (header, rows) = table.split_once('\n').unwrap();
-        // Neutral names, one of them for each column but time and runs.
+        // Neutral names for all columns except time and runs.
         let keeps = |h: &str| ["t", "time", "run", "throw"].contains(&h);
         let renamed: Vec<String> = (header.split(',').enumerate())
             .map(|(i, h)| if keeps(h) { h.into() } else { format!("c{i}c") })
@@ -501,7 +501,7 @@ fn formatted(model: &str) -> String {
     sidc_lang::format(file, model).unwrap()
 }
 
-/// What the user says of a column, it is.
+/// Roles given by the user override the guesses.
 #[test]
 fn roles_can_be_said() {
     let folder = tempfile::tempdir().unwrap();
@@ -550,7 +550,7 @@ fn a_table_without_a_state_says_so() {
     assert!(run.stderr.contains("into the first line"), "{}", run.stderr);
 }
 
-/// A rate beside its state, and no time to differentiate by.
+/// A rate and its state without a time column.
 #[test]
 fn rates_without_time_are_left_out_and_said() {
     let rows: String = (0..60)
@@ -573,7 +573,7 @@ fn rates_without_time_are_left_out_and_said() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 
-    /// Whatever the headers are, the model is one.
+    /// Any headers give a valid model.
     #[test]
     fn any_headers_make_a_model(headers in proptest::collection::vec("[ -~°µθ]{0,12}", 1..7)) {
         let quoted: Vec<String> = headers.iter().map(|h| format!("\"{}\"", h.replace('"', "\"\""))).collect();
@@ -583,7 +583,7 @@ proptest! {
             text.push_str(&((0..headers.len()).map(cell).collect::<Vec<_>>().join(",") + "\n"));
         }
         let mut sources = Sources::default();
-        // A table that cannot be read is refused before.
+        // A table that cannot be read is rejected earlier.
         if let Ok(table) = data::read("d.csv", text.as_bytes(), &Limits::default(), &mut sources)
             && let Ok(model) = draft(&table, &ChosenRoles::default())
         {
@@ -596,7 +596,7 @@ proptest! {
     }
 }
 
-/// Arrays of NumPy, with what is no column named.
+/// NumPy arrays, with a note about what is not a column.
 #[test]
 fn arrays_have_drafts_too() {
     let table = root().join("crates/formats/tests/data/stored.npz");

@@ -1,7 +1,7 @@
-//! The gallery keeps its word: every model in models/ is laid out, checks, and gives the equations of its header.
+//! The models of the gallery: every one is formatted, passes `check`, and gives the equations in its header.
 //!
-//! The header's lines: `# Data:` the tables; `# Expected:` an equation a line; `# Unknown:` values of unknown constants; `# Within:` the
-//! relative error allowed if it is not 0.1 %; `# Doubts:` the codes of the reasons to be expected, for models that do not pass.
+//! Lines of the header: `# Data:` the tables; `# Expected:` one equation per line; `# Unknown:` values of unknown constants; `# Within:` the relative error
+//! allowed, if not 0.1 %; `# Doubts:` the expected codes of reasons, for models that do not pass.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,10 +15,10 @@ use sidc_lang::term::Language;
 use super::lang::texts_in;
 use sidc_testing::program::{Piece, Run, is_figure, is_proof_by_tolerance, pieces, sidc};
 
-/// Characters of the widest line that is printed.
+/// Largest number of characters in a printed line.
 const WIDEST: usize = 120;
 
-/// Relative error of a coefficient where the header says nothing.
+/// Relative error of a coefficient if the header gives none.
 const USUAL: f64 = 1e-3;
 
 pub type Equations = BTreeMap<String, BTreeMap<String, f64>>;
@@ -119,8 +119,8 @@ fn found(document: &Value) -> Vec<(String, String)> {
         .collect()
 }
 
-/// Right sides in the normal form of the program: a model of the same variables that states each as a known output, since a
-/// target may stand on its own right side.
+/// Right sides in the program's normal form, from a model of the same variables that states each as a known output, since a target may occur in its own right
+/// side.
 pub fn normal(equations: &[(String, String)], document: &Value) -> Equations {
     let discrete = document["time"] == "discrete";
     let mut text = String::new();
@@ -151,7 +151,7 @@ pub fn normal(equations: &[(String, String)], document: &Value) -> Equations {
     out
 }
 
-/// What differs, in words; empty if nothing.
+/// The differences in words; empty if there are none.
 fn compare(found: &Equations, expected: &Equations, within: f64) -> Vec<String> {
     let mut out = Vec::new();
     let targets: BTreeSet<&String> = found.keys().chain(expected.keys()).collect();
@@ -176,8 +176,8 @@ fn compare(found: &Equations, expected: &Equations, within: f64) -> Vec<String> 
     out
 }
 
-/// The constants found that are not those of the header, in words: off by more than is allowed, or, where that is more than usual (noisy
-/// data), with the truth outside their intervals.
+/// The constants found that differ from the header, in words: their errors exceed the allowed one or, if that is larger than usual because data are noisy,
+/// their intervals miss the truth.
 fn compare_unknowns(document: &Value, header: &Header) -> Vec<String> {
     let mut out = Vec::new();
     let empty = Vec::new();
@@ -209,7 +209,7 @@ fn doubts(document: &Value) -> BTreeSet<String> {
         .collect()
 }
 
-/// The terminal's text without what rounding decides: coefficients to few digits, figures of the evidence as `~`.
+/// The terminal's text without digits that depend on rounding: coefficients are rounded, figures of the evidence replaced by `~`.
 fn reduced(text: &str, digits: usize) -> String {
     let lines = text.lines().map(|line| reduced_line(line, digits) + "\n");
     lines.collect()
@@ -233,7 +233,7 @@ fn reduced_line(line: &str, digits: usize) -> String {
     each.collect()
 }
 
-/// Everything about one model that is not as its header says, and what the terminal shows, reduced.
+/// All deviations of a model from its header, and the terminal's text, reduced.
 fn judge(name: &str, text: &str) -> (Vec<String>, String) {
     let path = format!("models/{name}.sid");
     let header = Header::of(name, text);

@@ -1,4 +1,4 @@
-//! Noise that grows with the signal, declared and found.
+//! Noise that grows with the signal, declared or found.
 
 use std::path::Path;
 
@@ -24,7 +24,7 @@ fn populations() -> Vec<[f64; 2]> {
     out
 }
 
-/// Their readings with noise of standard deviation `floor` and `share` of the value.
+/// Readings with noise of standard deviation √(`floor`² + (`share` · value)²).
 fn read(floor: f64, share: f64, seed: u64) -> Vec<[f64; 2]> {
     let mut random = Random::new(seed);
     let mut noisy = |x: f64| x + floor.hypot(share * x) * random.normal();
@@ -95,7 +95,7 @@ fn growth_is_found_and_intervals_hold_the_truth() {
             assert!(floor < 0.1, "{floor}");
         }
     }
-    // 24 intervals of 95 %: fewer than 20 inside have a chance of 1 %.
+    // 24 intervals of 95 %: the chance of fewer than 20 hits is 1 %.
     assert!(inside >= 20, "{inside} of {all}");
 }
 
@@ -112,7 +112,7 @@ fn declared_noise_gives_what_is_found() {
         let width = b.2[1] - b.2[0];
         assert!((a.1 - b.1).abs() < 0.25 * width, "{a:?} {b:?}");
     }
-    // The same on the command line, to the last digit.
+    // Options give the same result as declarations, to the last digit.
     let options = ["--noise", "x=0.02+10%", "--noise", "y=0.02+10%"];
     let (a, b) = (
         identify(declared, &readings, &[]),
@@ -134,7 +134,7 @@ fn noise_that_does_not_grow_is_not_said_to() {
 fn a_reading_far_off_where_noise_is_small_is_an_outlier() {
     let mut readings = read(0.0, 0.05, 1);
     let least = (1..300).min_by(|a, b| readings[*a][0].total_cmp(&readings[*b][0]));
-    // Beside noise of 0.03, and below that of the largest readings.
+    // An outlier compared with noise of 0.03 here, though below the noise of the largest readings.
     readings[least.unwrap()][0] += 0.4;
     let run = identify(
         MODEL,

@@ -1,4 +1,4 @@
-//! States that nothing measures: found with the laws, told in one scale, started from the readings in every run of the equations.
+//! Unmeasured states: found with the laws, given in one scale, and started from the readings in every run.
 
 use std::fs;
 use std::path::Path;
@@ -10,11 +10,11 @@ use sidc_testing::program::{Run, sidc_in};
 
 const STEP: f64 = 2.0;
 const ROWS: usize = 500;
-/// Of dT = 0.207 - 0.009 T + 0.006 H, dH = (Q - H)/27.
+/// The law dT = 0.207 - 0.009 T + 0.006 H, dH = (Q - H)/27.
 const BLOCK: [f64; 3] = [0.207, -0.009, 0.006];
 const LAG: f64 = 27.0;
 
-/// A heated block whose heater is not measured; the readings have this noise.
+/// A heated block with an unmeasured heater; `noise` is that of the readings.
 fn heater(seed: u64, noise: f64) -> String {
     let mut random = Random::new(seed);
     let times = grid(ROWS, STEP);
@@ -90,7 +90,7 @@ fn a_sought_law_is_found_in_the_scale_that_is_told() {
     let (run, document) = identify(folder.path(), SOUGHT, &heater(2, 0.1), &[]);
     assert_eq!(coefficient(&document, "dT", "H"), 1.0, "{}", run.stdout);
     assert_eq!(document["hidden"][0]["scale"]["term"], "H");
-    // In whatever order the two lags are told, their sum and their product are those of the block.
+    // The order of the two lags is open, but their sum and product are those of the block.
     let (a, b) = (
         coefficient(&document, "dT", "T"),
         coefficient(&document, "dH", "H"),
@@ -98,7 +98,7 @@ fn a_sought_law_is_found_in_the_scale_that_is_told() {
     near(a + b, BLOCK[1] - 1.0 / LAG, 0.03);
     near(a * b, -BLOCK[1] / LAG, 0.03);
     near(coefficient(&document, "dH", "Q"), BLOCK[2] / LAG, 0.03);
-    // No reading tells the order, and the answer says so.
+    // No reading shows the order, and the answer must say so.
     assert_eq!(run.status, 3);
     assert!(
         run.words().contains("in which order lags follow"),
@@ -188,10 +188,10 @@ fn what_cannot_be_is_refused_with_its_place() {
 }
 
 const FINE: f64 = 0.01;
-/// Seconds of the lag before or behind dx = -2 x - 3 x^3 + 8 u.
+/// Time constant in seconds of the lag before or after dx = -2 x - 3 x^3 + 8 u.
 const SLOW: f64 = 0.06;
 
-/// A stiffening follower of a command in steps; the command or the sensor lags.
+/// A state with a stiffening spring follows a stepwise command; either the command or the sensor lags.
 pub fn lagged(at_sensor: bool, seed: u64) -> String {
     let mut random = Random::new(seed);
     let (mut state, mut level) = ([0.0, 0.0], 0.0);
@@ -231,7 +231,7 @@ fn a_state_that_a_sensor_follows_is_found() {
     );
 }
 
-/// What is said of a missing state, with the lines to add.
+/// The reason about a missing state, with the lines to add.
 fn missing(document: &Value) -> (String, Vec<String>) {
     let reasons = document["equations"][0]["reasons"].as_array().unwrap();
     let reason = reasons.iter().find(|r| r["code"] == "missing-state");
@@ -260,7 +260,7 @@ fn a_lag_that_the_model_lacks_is_proposed_where_it_is() {
     }
 }
 
-/// An epidemic of which only the infectious are seen.
+/// An epidemic with only the infectious measured.
 fn epidemic(seed: u64) -> String {
     let mut random = Random::new(seed);
     let mut state = [0.999, 0.0, 0.001];

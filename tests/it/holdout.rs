@@ -23,7 +23,7 @@ fn write(folder: &Path, name: &str, text: &str) -> String {
     path.display().to_string()
 }
 
-/// (held out, record, from, to, worst error to signal) of every free run.
+/// (held out, record, from, to, worst error relative to the signal) of every free run.
 fn runs(document: &serde_json::Value) -> Vec<(bool, String, f64, f64, f64)> {
     let runs = document["validation"]["runs"].as_array().unwrap();
     let worst = |r: &serde_json::Value| {
@@ -67,7 +67,7 @@ fn a_whole_file_is_held_out() {
     let records: Vec<(bool, &str)> = runs.iter().map(|r| (r.0, r.1.as_str())).collect();
     assert_eq!(records, [(false, "sir_a.csv"), (true, "sir_b.csv")]);
     assert!(runs[1].4 < -60.0, "{runs:?}");
-    // Named twice it is one file.
+    // A file named twice counts once.
     let twice = [
         "models/sir.sid",
         "models/data/sir_a.csv",
@@ -121,7 +121,7 @@ fn the_smallest_of_equal_models_is_best() {
     assert_eq!(candidates[0]["best"], true);
 }
 
-/// Figures far below the noise of any record are rounding's.
+/// Masks figures far below the noise of any record, which depend on rounding.
 fn masked(table: &[&str]) -> String {
     let line = |l: &&str| {
         let words: Vec<String> = l
@@ -180,7 +180,7 @@ fn faults_of_all_models_are_told_at_once() {
     );
 }
 
-/// The rate constant of the one file is not that of the other.
+/// The rate constants of the two files differ.
 #[test]
 fn what_does_not_carry_over_is_a_doubt() {
     let folder = tempfile::tempdir().unwrap();
@@ -213,7 +213,7 @@ fn what_does_not_carry_over_is_a_doubt() {
     );
 }
 
-/// Between its impacts a ball falls freely, and that is all the equation says: its run goes through the floor.
+/// Between impacts a ball falls freely, and the equation covers only that, so its run goes through the floor.
 #[test]
 fn a_run_that_leaves_the_data_is_a_doubt() {
     let folder = tempfile::tempdir().unwrap();
@@ -241,7 +241,7 @@ fn a_run_that_leaves_the_data_is_a_doubt() {
     );
 }
 
-/// What is held out has died down to noise: that the run misses the noise is no fault of the equation.
+/// In the held-out part the motion has decayed to noise; missing that is not a fault of the equation.
 #[test]
 fn a_motion_that_has_died_down_is_no_doubt() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Data that do not hold what is sought: each run ends in time, with status 3 and the reason that is the right one.
+//! Data that do not contain the law: each run ends in time, with status 3 and the right reason.
 
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -7,7 +7,7 @@ use sidc_testing::pendulum_regression::Random;
 use sidc_testing::program::{Run, sidc_in};
 use sidc_testing::records::{bounces, difference_equation};
 
-/// Rows of states every `step`, by Runge–Kutta with ten steps a sample.
+/// Rows of states every `step`, by Runge–Kutta with ten steps per sample.
 fn simulate(
     rate: &dyn Fn(f64, &[f64]) -> Vec<f64>,
     start: &[f64],
@@ -174,7 +174,7 @@ fn a_hidden_state_leaves_residuals_that_remember() {
     says(&run, &["doubt[misfit]", "doubt[coloured-residuals]"]);
 }
 
-/// A pendulum that something unseen pushes: the library has no word for it, and terms must not be bought to imitate it.
+/// A pendulum under an unmeasured force that no term of the library describes. Terms must not be added to imitate it.
 #[test]
 fn a_push_that_is_slow_buys_no_terms() {
     let rate = |t: f64, z: &[f64]| {
@@ -190,7 +190,7 @@ fn a_push_that_is_slow_buys_no_terms() {
     says(&run, &["doubt[disturbed]", law]);
 }
 
-/// Charging through a nonlinear resistor: an exponential with a constant inside, which no polynomial is.
+/// Charging through a nonlinear resistor: an exponential with a constant inside, which is not a polynomial.
 #[test]
 fn a_law_that_is_in_no_library_is_not_passed_off_as_found() {
     let rate = |_: f64, x: &[f64]| vec![1.0 / (1.0 + (0.5 - x[0] / 0.96).exp()) - 0.5];
@@ -264,7 +264,7 @@ fn noise_alone_is_no_law() {
     }
 }
 
-/// y' = 1.6 y − 0.7 y₋₁ + 0.1 u: noise of the process leaves the coefficients right, noise of the sensor does not.
+/// y' = 1.6 y − 0.7 y₋₁ + 0.1 u: process noise does not bias the coefficients, sensor noise does.
 #[test]
 fn noise_on_both_sides_of_a_difference_equation_is_said() {
     let model = "state y\ninput u\nnext y ~ <y, lag(y, 1), u>\n";
@@ -283,7 +283,7 @@ fn noise_on_both_sides_of_a_difference_equation_is_said() {
     }
 }
 
-/// Integrals of noise are as noisy as noise: that nothing is found in them is no law.
+/// Integrals of noise are noisy too; fitting them with nothing is not a law.
 #[test]
 fn noise_alone_is_no_law_of_the_weak_form_either() {
     let folder = tempfile::tempdir().unwrap();
@@ -301,7 +301,7 @@ fn noise_alone_is_no_law_of_the_weak_form_either() {
     says(&run, &["poor-fit"]);
 }
 
-/// No row is complete, or none has neighbours to differentiate by: a trajectory passes them all the same.
+/// No row is complete, or no samples are near enough to differentiate, but a trajectory can still be estimated.
 #[test]
 fn readings_that_are_never_complete_do_for_a_trajectory() {
     let cell = |read: bool, value: f64| {
@@ -335,7 +335,7 @@ fn readings_that_are_never_complete_do_for_a_trajectory() {
     let run = identify("state x\ndx ~ poly(x; 3)\n", std::slice::from_ref(&decay));
     assert_eq!(run.status, 0, "{}{}", run.stdout, run.stderr);
     assert!(run.stdout.contains("dx = -0.5*x\n"), "{}", run.stdout);
-    // Readings far from the trajectory can be left out then, so nothing is said against that.
+    // Joint estimation can reject outliers, so there is no warning about that.
     let run = identify_with("state x\ndx ~ poly(x; 3)\n", &[decay], &["--robust"]);
     assert_eq!(run.status, 0, "{}{}", run.stdout, run.stderr);
     assert!(!run.stderr.contains("robust-unused"), "{}", run.stderr);

@@ -1,4 +1,4 @@
-//! Result documents that nobody's `identify` wrote: refused in words, never run as something else.
+//! Result documents that `identify` did not write are rejected with a message and never run as something else.
 
 use sidc_emit as emit;
 use sidc_system::result;
@@ -11,7 +11,7 @@ fn document(variables: &str, target: &str, terms: &str) -> String {
 
 const X: &str = r#"{"name": "x", "kind": "state", "order": 2}"#;
 
-/// The code of the refusal, or nothing.
+/// The code of the rejection, if there is one.
 fn refusal(text: &str) -> Option<&'static str> {
     result::read("r.json", text).err().map(|d| d.code)
 }

@@ -1,4 +1,4 @@
-//! The library as other programs use it: what it offers beside the search.
+//! The library as other programs use it, apart from the search.
 
 use std::collections::BTreeSet;
 
@@ -37,7 +37,7 @@ fn runs_start_where_they_are_told() {
     let theta = run.runs[0].signal("theta").unwrap();
     assert_eq!(theta[0], 0.1);
     assert!(theta[20] < theta[0] && run.runs[0].measured.is_empty());
-    // What is not given must be measured.
+    // State components without an initial value must be measured.
     let lacking = found.simulate_from(&hanging[..3], &data, &mut Unwatched);
     assert_eq!(lacking.unwrap_err().kind(), ErrorKind::Data);
     let unknown = found.simulate_from(&[("phi", 0.0)], &data, &mut Unwatched);
@@ -52,7 +52,7 @@ fn runs_start_where_they_are_told() {
     );
 }
 
-/// M q = f solved at a point: the plant of the file's header, both accelerations by hand.
+/// Solves M q = f at a point: the plant in the header of the model, with both accelerations computed by hand.
 #[test]
 fn the_right_side_is_the_plant_and_its_slopes_are_differences() {
     let (_, found) = pendulum();
@@ -90,7 +90,7 @@ fn the_right_side_is_the_plant_and_its_slopes_are_differences() {
             assert!((slopes[4 * row + column] - difference).abs() < 1e-6);
         }
     }
-    // Lengths that do not fit have no value.
+    // Slices of the wrong length give NaN.
     for (x, u) in [(&x[..3], &u[..]), (&x[..], &[][..])] {
         right_side.rates(0.0, x, u, &mut rates);
         assert!(rates.iter().all(|r| r.is_nan()));
@@ -106,7 +106,7 @@ fn predictions_along_given_data_are_those_of_the_verdict() {
     assert_eq!((asked.horizon, asked.signals.len()), (0.2, 4));
 }
 
-/// Verdict, equations and figures are those of the program; what is said of files is its own.
+/// Verdict, equations and figures are those of the program; only statements about files differ.
 #[test]
 fn the_page_is_that_of_the_program() {
     let (data, found) = pendulum();
@@ -176,7 +176,7 @@ fn names_are_looked_up() {
     assert_eq!(still.draft().unwrap_err().codes(), ["no-state"]);
 }
 
-/// Libraries listed anew: the others of the statement and what is known stay, in families too.
+/// With new lists of terms, the other libraries of the statement and the known parts are kept, also in families.
 #[test]
 fn libraries_are_listed_anew() {
     let model = Model::parse(

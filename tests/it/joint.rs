@@ -1,4 +1,4 @@
-//! Tied problems against independent checks: every active set tried, and weak duality.
+//! Coupled problems compared with independent checks: all active sets, and weak duality.
 
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
@@ -9,7 +9,7 @@ use sidc_solve::{
     Sense, certify_constrained, constrained_least_squares, least_residuals, solve_constrained,
 };
 
-/// Deterministic numbers in −1 … 1.
+/// Deterministic numbers from −1 to 1.
 fn numbers(n: usize, mut seed: u64) -> Vec<f64> {
     let step = |_| {
         seed = seed
@@ -28,7 +28,7 @@ fn row(entries: &[(usize, usize, f64)], sense: Sense, right: f64) -> LinearConst
     }
 }
 
-/// Two blocks of `rows` rows and `cols` columns each.
+/// Two blocks, each with `rows` rows and `cols` columns.
 struct Pair {
     rows: usize,
     cols: usize,
@@ -64,7 +64,7 @@ impl Pair {
     }
 }
 
-/// The constrained minimum by trying every set of inequalities as equations.
+/// The constrained minimum, by trying every set of active inequalities.
 fn brute_force(pair: &Pair, rows: &[LinearConstraint]) -> Option<DVector<f64>> {
     let (m, n) = (pair.rows, pair.cols);
     let a = DMatrix::from_fn(2 * m, 2 * n, |i, j| match (i / m, j / n) {
@@ -120,7 +120,7 @@ fn brute_force(pair: &Pair, rows: &[LinearConstraint]) -> Option<DVector<f64>> {
     best.map(|(_, x)| x)
 }
 
-/// An equality across the blocks and three inequalities, all obeyed by some coefficients.
+/// An equality across the blocks and three inequalities, with a common feasible point.
 fn random_rows(cols: usize, seed: u64) -> Vec<LinearConstraint> {
     let w = numbers(12, seed + 77);
     let inside = numbers(2 * cols, seed + 78);
@@ -178,7 +178,7 @@ proptest! {
         let found = solve_constrained(&joint, &[], &mut Unwatched);
         prop_assert_eq!(found.outcome, Outcome::Solved);
         let proof = certify_constrained(&joint, &found.coefficients, &found.duals, &found.multipliers);
-        // Clarabel stops at 1e-8; the rows then miss by as much.
+        // Clarabel stops at 1e-8, so the constraints are violated by as much.
         prop_assert!(proof.gap.abs() < 1e-5, "{proof:?}");
         let (primal, dual, prices) = by_definition(&joint, &found);
         let largest = prices.iter().flatten().fold(0.0, |m: f64, (p, _)| m.max(*p));
@@ -189,7 +189,7 @@ proptest! {
             let off = prices.iter().filter(|(_, on)| !on).fold(0.0, |m: f64, (p, _)| m.max(*p));
             prop_assert!((margin - (1.0 - off / largest.max(1.0))).abs() < 1e-12);
         }
-        // A dual point three times as long proves no more than before: its columns cost three times too much.
+        // A dual point three times as long proves no more, since it has to be scaled back.
         let thrice = |v: &[f64]| v.iter().map(|x| 3.0 * x).collect::<Vec<f64>>();
         let duals: Vec<Vec<f64>> = found.duals.iter().map(|d| thrice(d)).collect();
         let longer = certify_constrained(&joint, &found.coefficients, &duals, &thrice(&found.multipliers));
@@ -220,17 +220,17 @@ fn what_misses_a_row_or_its_bound_by_a_little_is_not_feasible() {
         certify_constrained(&joint, &found, &duals, &multipliers).feasible
     };
     assert!(feasible([30.0, 20.0], [30.0, 20.0]));
-    // Equal to rounding of the first block's target, and within 0.5 of the second's.
+    // Equal to rounding for the first target, and within 0.5 of the second.
     assert!(feasible([30.0 + 1e-5, 20.0], [30.0 + 2e-5, 20.2]));
     assert!(!feasible([30.0 + 1e-3, 20.0], [30.0 + 2e-3, 20.0]));
     assert!(!feasible([30.0, 20.0], [30.0, 20.2501]));
-    // The rows, one at a time.
+    // Each constraint violated in turn.
     assert!(!feasible([30.0, 20.0], [30.0 + 1e-3, 20.0]));
     assert!(!feasible([30.0, 20.0 + 2.4e-5], [30.0, 20.0]));
     assert!(!feasible([30.0, 20.0], [30.0, 19.899]));
 }
 
-/// Σ ‖D a‖₁/‖y‖, the bound of the dual point as it is, and for each block the price of every column, with whether it is on the support.
+/// Σ ‖D a‖₁/‖y‖, the bound of the dual point unscaled, and for each block the price of every column and whether it is on the support.
 fn by_definition(
     joint: &ConstrainedProblem,
     found: &ConstrainedSolution,
@@ -268,7 +268,7 @@ fn by_definition(
 
 #[test]
 fn columns_far_from_the_start_are_priced_in() {
-    // 600 columns of which each block starts with a third.
+    // Each block starts with a third of its 600 columns.
     let (rows, cols) = (40, 600);
     let pair = Pair::random(rows, cols, 5);
     let phis = [0, 1].map(|b| Dense::new(rows, pair.values[b].clone()));
@@ -319,7 +319,7 @@ fn data_that_no_column_can_reconcile_are_infeasible() {
     };
     let found = solve_constrained(&joint, &[], &mut Unwatched);
     assert_eq!(found.outcome, Outcome::Infeasible);
-    // What is left of (1, 3, 5) beside its mean: √8 of √35.
+    // The residual of (1, 3, 5) from its mean: √8 relative to √35.
     let left = least_residuals(&joint, &[])[0];
     assert!((left - (8.0_f64 / 35.0).sqrt()).abs() < 1e-6, "{left}");
 }

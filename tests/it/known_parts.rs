@@ -1,4 +1,4 @@
-//! Parts of a model that are stated, with noisy positions: known terms, known equations, parameters, rational right-hand sides.
+//! Stated parts of a model, with noisy positions: known terms, known equations, parameters, rational right sides.
 
 use std::fs;
 
@@ -9,11 +9,11 @@ use sidc_testing::program::{Run, sidc};
 
 const STEP: f64 = 0.05;
 const ROWS: usize = 400;
-/// Noise over the standard deviation of what is measured.
+/// Noise relative to the standard deviation of the signal.
 const NOISE: f64 = 0.01;
 const LENGTHS: [f64; 3] = [0.5, 1.0, 2.0];
 
-/// Positions and rates from `start` at rest, by Runge–Kutta of ten steps a sample.
+/// Positions and rates from `start` at rest, by Runge–Kutta with ten steps per sample.
 fn motion(start: f64, rate: &dyn Fn(f64, f64) -> f64) -> [Vec<f64>; 2] {
     let f = |[x, v]: [f64; 2]| [v, rate(x, v)];
     let mut z = [start, 0.0];
@@ -52,7 +52,7 @@ fn table(columns: &[(&str, Vec<f64>)]) -> String {
     text
 }
 
-/// A pendulum of every length, −9.81/L sin θ − 0.3 ω: angle, rate if asked for, length if it is a column.
+/// A pendulum of each length, −9.81/L sin θ − 0.3 ω: angle, optionally rate, and optionally the length as a column.
 fn pendulums(rate: bool, length: bool) -> Vec<String> {
     let mut random = Random::new(5);
     let one = |l: f64| {
@@ -83,7 +83,7 @@ fn identify(model: &str, tables: &[String], more: &[&str]) -> Run {
     sidc(&[&["identify", "-q"], &args[..], more].concat())
 }
 
-/// The last equation has these terms and no others, and no doubt.
+/// The last equation has exactly these terms and no doubt.
 fn found(model: &str, tables: &[String], more: &[&str], wanted: &[(&str, f64)], part: f64) {
     let run = identify(model, tables, &[more, &["--json"]].concat());
     assert_eq!(run.status, 0, "{}{}", run.stdout, run.stderr);

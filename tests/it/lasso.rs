@@ -1,4 +1,4 @@
-//! The Lasso path: every knot against conditions and bounds that are computed here, from columns alone.
+//! The Lasso path: every knot is checked against conditions and bounds computed here from the columns.
 
 use proptest::prelude::*;
 use sidc::Unwatched;
@@ -11,11 +11,11 @@ use sidc_testing::pendulum_regression::{Random, Target, draw, regression};
 /// Excess over a bound, relative to the penalty.
 const BOUND: f64 = 1e-8;
 const GAP: f64 = 1e-9;
-/// Part of ‖y‖ that rounding leaves of a correlation.
+/// Rounding error of a correlation, relative to ‖y‖.
 const ROUNDING: f64 = 1e-13;
 const MOST: usize = 500;
 
-/// Columns and a target, kept apart from the library's own storage.
+/// Columns and a target, stored independently of the library.
 #[derive(Debug)]
 struct Case {
     columns: Vec<Vec<f64>>,
@@ -28,17 +28,17 @@ struct Case {
 struct Shape {
     rows: usize,
     cols: usize,
-    /// Part that all columns share: their correlation.
+    /// Share of a common component in all columns, which correlates them.
     common: f64,
     /// Powers of ten over which lengths of columns range.
     decades: i32,
-    /// Every so many columns one is zero, and one the double of another.
+    /// Period of the columns that are zero, or double another one.
     every: usize,
     /// Standard deviation of the noise in y.
     noise: f64,
     /// ε relative to ‖y‖.
     tolerance: f64,
-    /// log10 of ‖y‖, about.
+    /// Approximate log10 of ‖y‖.
     size: i32,
     seed: u64,
 }
@@ -133,8 +133,8 @@ impl Case {
             knot.residual,
             knot.coefficients
         );
-        // Of nearly dependent columns, what rounding makes of a coefficient that is zero at the knot is left out; λ, which the
-        // certificate is made of, is held to more digits below.
+        // With nearly dependent columns, rounding may give a nonzero value to a coefficient that is zero at the knot. The check allows for that; λ, which the
+        // certificate uses, is checked to more digits below.
         let rounding = 1e-10 * (size + self.paid(&knot.coefficients));
         let room = BOUND * knot.penalty + rounding;
         let tau = knot.penalty;
@@ -147,7 +147,7 @@ impl Case {
         let scale = 1.0 / self.price(&knot.dual).max(1.0);
         let lambda: Vec<f64> = knot.dual.iter().map(|l| l * scale).collect();
         let dual = tau * dot(&self.y, &lambda) - 0.5 * tau * tau * dot(&lambda, &lambda);
-        // λ = r/τ has the rounding of y, enlarged.
+        // λ = r/τ inherits the rounding of y, magnified.
         let relative = GAP + 1e-15 * size / tau.max(f64::MIN_POSITIVE);
         let room = (relative * primal).max(rounding.powi(2));
         prop_assert!(
@@ -155,7 +155,7 @@ impl Case {
             "{primal:e} {dual:e} {tau:e} {size:e}"
         );
         if tau == 0.0 {
-            // Basis pursuit: nothing is left, and ‖Da‖₁ = yᵀλ.
+            // Basis pursuit: the residual is zero, and ‖Da‖₁ = yᵀλ.
             let (paid, bound) = (self.paid(&knot.coefficients), dot(&self.y, &lambda));
             prop_assert!(length(&r) <= 1e-9 * size && (paid - bound).abs() <= GAP * paid);
         }
@@ -191,7 +191,7 @@ fn at(p: &Problem, penalty: f64) -> Option<Knot> {
     lasso(p, penalty, &mut Unwatched)
 }
 
-/// Coefficient · length of every column, part of the way from one knot to the next.
+/// Coefficient · length of every column at a point between two knots.
 fn between(case: &Case, from: &Knot, to: &Knot, part: f64) -> Vec<f64> {
     let mut a = vec![0.0; case.columns.len()];
     for (knot, weight) in [(from, 1.0 - part), (to, part)] {
@@ -218,7 +218,7 @@ fn falls(case: &Case, knots: &[Knot]) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Supports follow from what comes and goes, one column a knot.
+/// Supports change by one column per knot, the one that enters or leaves.
 fn turns(knots: &[Knot]) -> Result<(), TestCaseError> {
     let mut active: Vec<usize> = Vec::new();
     for (i, knot) in knots.iter().enumerate() {
@@ -229,7 +229,7 @@ fn turns(knots: &[Knot]) -> Result<(), TestCaseError> {
         let mut support: Vec<usize> = knot.coefficients.iter().map(|(j, _)| *j).collect();
         support.sort_unstable();
         active.sort_unstable();
-        // At τ = 0 a column that exact data do not need is zero up to rounding, and may be exactly.
+        // At τ = 0 a column that exact data do not need is zero up to rounding, or exactly.
         let at_hand = |j: &usize| active.contains(j);
         let same = support == active || (knot.penalty == 0.0 && support.iter().all(at_hand));
         prop_assert!(same, "{i}: {support:?} {active:?}");
@@ -253,14 +253,14 @@ proptest! {
         for knot in &knots {
             case.is_answer(knot)?;
         }
-        // Where least squares reaches ε, so does the path.
+        // If least squares reaches ε, so does the path.
         if shape.noise == 0.0 && length(&case.y) > case.tolerance {
             let last = knots.last().map_or(f64::INFINITY, |k| k.residual);
             prop_assert!(last <= case.tolerance * (1.0 + 1e-9) + 1e-9 * length(&case.y), "{last}");
         }
     }
 
-    /// The constrained form at the knot's own residual, and the library's certificate of the Lasso form.
+    /// Each knot solves the constrained form with its own residual as ε, and the library's certificate proves it for the Lasso form.
     #[test]
     fn every_knot_is_certified(shape in shapes()) {
         let case = shape.case();
@@ -276,7 +276,7 @@ proptest! {
             let room = 1e-15 * size / knot.penalty;
             prop_assert!(lasso.gap.abs() <= GAP + room, "{lasso:?} {}", knot.penalty / size);
             let c = certify(&p, &knot.coefficients, &knot.dual);
-            // Nothing is paid for a = 0, and nothing is what the gap would be relative to.
+            // a = 0 has norm zero, so no relative gap is defined.
             prop_assert!(c.proves_optimal || (c.primal == 0.0 && c.dual.abs() <= GAP * size), "{c:?}");
         }
     }
@@ -289,7 +289,7 @@ proptest! {
         let knots = path(&p);
         for pair in knots.windows(2) {
             let penalty = pair[0].penalty + part * (pair[1].penalty - pair[0].penalty);
-            // Where knots are as good as one, neither side is known.
+            // Knots too close together cannot be distinguished.
             if pair[0].penalty - pair[1].penalty <= 1e-6 * pair[0].penalty || penalty <= 1e-9 * length(&case.y) {
                 continue;
             }
@@ -302,7 +302,7 @@ proptest! {
             for (j, a) in &found.coefficients {
                 found_all[*j] += a * length(&case.columns[*j]);
             }
-            // A column and its double are one direction.
+            // A column and its double are one direction, so their sum is compared.
             let whole = |v: &[f64]| -> Vec<f64> {
                 let mut out = vec![0.0; case.y.len()];
                 for (c, a) in case.columns.iter().zip(v) {

@@ -1,4 +1,4 @@
-//! Noise of sensors that lasts from sample to sample, declared and found, and what is no such noise.
+//! Sensor noise that is correlated in time, declared or found, and what must not be taken for it.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ const STEP: f64 = 0.05;
 const MODEL: &str = "state x, y\ndx, dy ~ poly(x, y; 3)\n";
 const TRUTH: [&[(&str, f64)]; 2] = [&[("y", 1.0)], &[("x", -1.0), ("y", 2.0), ("x^2*y", -2.0)]];
 
-/// Van der Pol's oscillator, 401 samples of both states, with noise of a size that lasts so long (s; 0 is white).
+/// The van der Pol oscillator, 401 samples of both states, with noise of this size and correlation time (s; 0 is white).
 fn oscillator(size: f64, memory: f64, seed: u64) -> String {
     let mut random = Random::new(seed);
     let lasting = if memory > 0.0 {
@@ -49,7 +49,7 @@ fn document(model: &str, data: &str) -> Value {
     serde_json::from_str(&run.stdout).unwrap_or_else(|e| panic!("{e}: {}", run.stderr))
 }
 
-/// How many coefficients lie in their intervals, of how many; `None` if the terms are not the true ones.
+/// How many coefficients are in their intervals, and how many there are; `None` if the terms are not the true ones.
 fn inside(document: &Value) -> Option<(usize, usize)> {
     let (mut inside, mut all) = (0, 0);
     for (equation, truth) in document["equations"].as_array()?.iter().zip(TRUTH) {
@@ -88,7 +88,7 @@ fn noise_that_lasts_is_found_and_intervals_hold_the_truth() {
         }
         assert!(found["equations"][1]["evidence"]["together"]["disturbance"].is_null());
     }
-    // 24 intervals of 95 %: fewer than 20 inside have a chance of 1 %.
+    // 24 intervals of 95 %: the chance of fewer than 20 hits is 1 %.
     assert!(in_all >= 20, "{in_all} of {of_all}");
 }
 
@@ -117,7 +117,7 @@ fn white_noise_is_not_said_to_last() {
         let found = document(MODEL, &oscillator(0.05, 0.0, seed));
         assert!(channels(&found).all(|c| c["lasting"].is_null()), "{seed}");
     }
-    // Nor where it lasts and the model says that it does not.
+    // Nor if it is correlated and the model says that it is not.
     let model = MODEL.replace("x, y\n", "x, y : memory 0\n");
     let found = document(&model, &oscillator(0.05, 0.1, 1));
     assert!(channels(&found).all(|c| c["lasting"].is_null()));

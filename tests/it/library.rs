@@ -1,4 +1,4 @@
-//! Libraries: sizes by arithmetic, algebra of sets, what is refused and what is only noted.
+//! Libraries: computed sizes, algebra of sets, what is rejected and what is only noted.
 
 use proptest::prelude::*;
 use sidc::pipeline;
@@ -8,7 +8,7 @@ use sidc_lang::library::GENERATORS;
 use sidc_lang::source::Sources;
 use sidc_lang::term::{Expr, Language, Signal, Term, VarId};
 
-/// The program, and the codes of its notes and warnings, or of its errors if there is none.
+/// The program with the codes of its notes and warnings; without a program, those of its errors.
 fn compile(model: &str) -> (Option<Program>, Vec<String>) {
     let mut sources = Sources::default();
     let file = sources.add("model.sid", model);
@@ -29,7 +29,7 @@ fn terms(model: &str) -> Vec<String> {
         .collect()
 }
 
-/// The one error of a faulty model.
+/// The code of the only error of a faulty model.
 fn error(model: &str) -> String {
     let (program, codes) = compile(model);
     assert!(program.is_none(), "{model} was accepted");
@@ -91,7 +91,7 @@ fn what_cannot_be_meant_is_refused() {
     assert_eq!(error("state x\ndx ~ <x - x>"), "zero-term");
 }
 
-/// The message of the one error.
+/// The message of the only error.
 fn refusal(model: &str) -> String {
     let mut sources = Sources::default();
     let file = sources.add("model.sid", model);
@@ -103,7 +103,7 @@ fn refusal(model: &str) -> String {
     errors[0].message.clone()
 }
 
-/// Numbers that nobody could count one by one: whoever tried would not end.
+/// These numbers must be computed: counting term by term would not end.
 #[test]
 fn what_does_not_fit_is_refused_by_arithmetic() {
     assert_eq!(
@@ -121,7 +121,7 @@ fn what_does_not_fit_is_refused_by_arithmetic() {
     refusal("state x1..x40\nlimit degree 12\ndx1 ~ powers(x1..x40; 2)");
 }
 
-/// Numbers of terms are exact; what is stored are the terms of the blocks' sides.
+/// Numbers of terms are exact, but only the terms of the blocks' sides are stored.
 #[test]
 fn millions_of_terms_take_the_memory_of_their_factors() {
     let stored = |model: &str| {
@@ -147,7 +147,7 @@ fn millions_of_terms_take_the_memory_of_their_factors() {
     assert!(factors < 30_000, "{factors}");
 }
 
-/// Found by slot, and back.
+/// Finds terms by slot and slots by term.
 #[test]
 fn slots_are_found_without_a_list() {
     let (program, _) = compile(
@@ -183,7 +183,7 @@ fn symmetries_keep_the_parity_of_the_target() {
         m("symmetry x, F -> -(x, F)\nddy ~ poly(x, y, F; 2)"),
         ["1", "y", "x*F", "x^2", "y^2", "F^2"]
     );
-    // Two symmetries, each of which a term must keep.
+    // A term must keep both symmetries.
     assert_eq!(
         m("symmetry x -> -x\nsymmetry y -> -y\nddx ~ poly(x, y; 3)"),
         ["x", "x*y^2", "x^3"]
@@ -192,7 +192,7 @@ fn symmetries_keep_the_parity_of_the_target() {
         m("symmetry x -> -(x)\nddx ~ <sin x, cos x, x*cos x, dx, abs x, exp x, 1 + x, x + x^3>"),
         ["dx", "sin(x)", "x + x^3", "x*cos(x)"]
     );
-    // Time reversed: an acceleration keeps its sign, a velocity does not.
+    // Under time reversal, an acceleration keeps its sign and a velocity does not.
     assert_eq!(
         m("symmetry t -> -t\nddx ~ poly(x, dx; 2)"),
         ["1", "x", "x^2", "dx^2"]
@@ -246,7 +246,7 @@ fn pythagoras_is_noted_once_a_pair() {
     assert_eq!(codes.iter().filter(|c| *c == "dependent-terms").count(), 1);
 }
 
-/// 1 = sin² + cos² ties terms only where all three are there.
+/// 1 = sin² + cos² makes terms dependent only if all three are there.
 #[test]
 fn squares_without_their_sum_are_no_identity() {
     for (list, tied) in [
@@ -265,7 +265,7 @@ fn squares_without_their_sum_are_no_identity() {
 }
 
 proptest! {
-    /// Arithmetic knows what expansion makes, for every generator.
+    /// Computed sizes agree with expansions, for every generator.
     #[test]
     fn counts_are_those_of_expansions(atoms in 1usize..5, from in 0u32..3, more in 0u32..3) {
         use sidc_lang::model::NumberArg;

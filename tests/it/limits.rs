@@ -1,4 +1,4 @@
-//! Limits of time and memory, and Ctrl-C: the run ends early, and what it prints is whole.
+//! Limits of time and memory, and Ctrl-C: the run ends early, and what it prints is complete.
 
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -30,7 +30,7 @@ fn document(text: &str) -> Document {
     serde_json::from_str(text).unwrap_or_else(|e| panic!("{e}:\n{text}"))
 }
 
-/// Why each equation is missing: `dx time-limit`.
+/// Why each equation is missing, such as `dx time-limit`.
 fn failures(d: &Document) -> Vec<String> {
     let one = |f: &FailedEntry| format!("{} {}", f.target, codes(&f.reasons).join(" "));
     d.failed.iter().map(one).collect()
@@ -81,7 +81,7 @@ fn limits_that_are_not_reached_change_nothing() {
     assert_eq!((limited.status, limited.stdout), (0, free.stdout));
 }
 
-/// What one equation may have alone, two have to share.
+/// Two equations share the memory that one may have alone.
 #[test]
 fn equations_share_the_memory_of_libraries_and_files_that_of_tables() {
     let folder = tempfile::tempdir().unwrap();
@@ -113,7 +113,7 @@ fn equations_share_the_memory_of_libraries_and_files_that_of_tables() {
             run.stderr
         );
     }
-    // More memory is no remedy for a list that is too long.
+    // More memory does not help if a list is too long.
     let powers = |s: &str| format!("d{s} ~ powers({s}; 1000000)\n");
     write(
         "long.sid",
@@ -166,14 +166,14 @@ fn measure(program: &Program, sources: &mut Sources, observer: &mut dyn Observer
     staged.0.unwrap()
 }
 
-/// Work on one equation, as an observer hears of it.
+/// Work on one equation, as reported to an observer.
 #[derive(Clone, Copy, Debug)]
 struct Step {
     place: usize,
     stage: Stage,
 }
 
-/// Identifies the Lorenz system until `ends` says stop; the steps told until then.
+/// Identifies the Lorenz system until `ends` is true. Returns the steps reported until then.
 fn until(ends: impl Fn(&Step) -> bool, why: Stop) -> (Discovery, Vec<Step>) {
     let (program, measured) = lorenz();
     let mut told = Vec::new();
@@ -192,7 +192,7 @@ fn until(ends: impl Fn(&Step) -> bool, why: Stop) -> (Discovery, Vec<Step>) {
     (found.unwrap(), told)
 }
 
-/// How many equations are missing, all for this one reason.
+/// Number of missing equations, all for this reason.
 fn missing(d: &Discovery, code: &str) -> usize {
     assert!(
         d.failed.iter().all(|f| codes(&f.reasons) == [code]),
@@ -211,7 +211,7 @@ fn every_stage_of_every_equation_is_told_in_order() {
     let (d, told) = until(|_| false, Stop::Interrupted);
     assert!(d.passes());
     let mut stages: Vec<(usize, u8)> = told.iter().map(|s| (s.place, stage(s.stage))).collect();
-    // The evidence of all equations is weighed when all are found.
+    // Evidence is weighed after all equations have been found.
     let weighed = stages.split_off(stages.partition_point(|s| s.1 < 3));
     assert_eq!(weighed, [(0, 3), (1, 3), (2, 3)]);
     assert!(stages.is_sorted(), "{stages:?}");
@@ -261,7 +261,7 @@ fn a_stop_in_the_solver_keeps_the_best_it_had_as_a_doubt() {
     assert!(first.reasons[0].text.contains("2 s"), "{:?}", first.reasons);
     let evidence = first.evidence.as_ref().unwrap();
     assert_eq!(evidence.iterations, 3);
-    // Three steps down the path: the best of all that fit as well as it does, which is not what was asked.
+    // Three steps down the path: the certificate is for the best answer with this residual, not for the one requested.
     let p = &evidence.certificate;
     assert!(!p.of_answer && p.tolerance > 1e-3, "{p:?}");
 }
@@ -270,7 +270,7 @@ fn a_stop_in_the_solver_keeps_the_best_it_had_as_a_doubt() {
 fn a_stop_while_choosing_is_a_doubt_too() {
     let (d, _) = until(|s| matches!(s.stage, Stage::Choosing), Stop::Interrupted);
     assert_eq!(codes(&d.equations[0].reasons), ["interrupted"]);
-    // The solver had finished: what it proved stands.
+    // The solver had finished, so its proof stands.
     assert!(
         d.equations[0]
             .evidence
@@ -326,7 +326,7 @@ fn a_stop_while_signals_are_prepared_leaves_no_rows() {
     assert!(measured.samples.is_empty() && measured.report.is_empty());
 }
 
-/// Real signals to a real process; where its signals stand is read from Linux's /proc.
+/// Sends real signals to a real process; its signal masks are read from /proc.
 #[cfg(target_os = "linux")]
 mod ctrl_c {
     use std::io::{BufRead, BufReader, Read};
@@ -350,7 +350,7 @@ mod ctrl_c {
             .unwrap()
     }
 
-    /// Waits until the process listens to Ctrl-C; false if whoever started the tests has it ignored, as shells do in scripts.
+    /// Waits until the process handles Ctrl-C; false if it was started with Ctrl-C ignored, as shells do in scripts.
     fn listens(child: &Child) -> bool {
         let start = Instant::now();
         while start.elapsed() < sidc_testing::hang::HANGS {
@@ -387,7 +387,7 @@ mod ctrl_c {
     fn once_ends_the_work_with_a_whole_document() {
         let folder = tempfile::tempdir().unwrap();
         let model = folder.path().join("long.sid");
-        // 5,456 terms three times: seconds of work on any machine.
+        // 5,456 terms three times take seconds on any machine.
         std::fs::write(&model, "state x, y, z\ndx, dy, dz ~ poly(x, y, z; 30)\n").unwrap();
         let child = start(&model.display().to_string(), &[]);
         if !listens(&child) {
@@ -406,7 +406,7 @@ mod ctrl_c {
         );
     }
 
-    /// A pipe that nobody reads holds the run up for as long as it takes.
+    /// A pipe that nobody reads blocks the run indefinitely.
     #[test]
     fn twice_ends_the_process_at_once() {
         let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! A, B and eigenvalues against closed forms and against differences of the system itself; the command on good and bad points.
+//! A, B and eigenvalues compared with closed forms and with differences of the system; the command on good and bad points.
 
 use nalgebra::DMatrix;
 use proptest::prelude::*;
@@ -31,7 +31,7 @@ fn close(m: &DMatrix<f64>, truth: &[f64]) {
     assert!(off <= 1e-12 * (1.0 + truth.amax()), "{m} for {truth}");
 }
 
-/// Textbook: with s = cos θ = ±1, ÿ and θ̈ of the linear system have M below them.
+/// Textbook result: with s = cos θ = ±1, ÿ and θ̈ of the linear system have the denominator M.
 #[test]
 fn the_pendulum_hanging_and_upright_is_the_textbook_s() {
     let d = read(&pendulum());
@@ -60,7 +60,7 @@ fn the_pendulum_hanging_and_upright_is_the_textbook_s() {
             1,
             "the cart may stand anywhere"
         );
-        // Σ λ is the trace, λ of a frictionless rod upright √((M + m) g/(M L)) = 5.51.
+        // Σ λ is the trace; a frictionless upright rod has λ = √((M + m) g/(M L)) = 5.51.
         let sum: f64 = modes.iter().map(|m| m.re * m.count() as f64).sum();
         assert!((sum - found.linear.a.trace()).abs() < 1e-12);
         if s < 0.0 {
@@ -96,7 +96,7 @@ fn a_mass_on_a_spring_has_its_frequency_and_damping() {
     assert!((modes[0].frequency().unwrap() - omega).abs() < 1e-12);
     assert!((modes[0].damping().unwrap() - zeta).abs() < 1e-13);
     assert!((modes[0].time_constant().unwrap() - 1.0 / (zeta * omega)).abs() < 1e-11);
-    // Pulled out to 0.5, held there by u = (36·0.5 + 40·0.125)/3.
+    // Pulled out to 0.5 and held there by u = (36·0.5 + 40·0.125)/3.
     let held = near(&d, &[(v(1), 0.5)], &[v(2)]);
     assert!(!held.linear.is_equilibrium());
     let u = held.balance.unwrap()[0];
@@ -109,7 +109,7 @@ fn a_mass_on_a_spring_has_its_frequency_and_damping() {
 
 #[test]
 fn what_no_input_reaches_is_not_controllable() {
-    // Two masses that are pushed alike, apart from each other: only their mean moves.
+    // Two separate masses driven by the same input: only their mean is controllable.
     let d = read(&document(
         &[
             ("a", "state", 1),
@@ -125,7 +125,7 @@ fn what_no_input_reaches_is_not_controllable() {
     ));
     let found = near(&d, &[], &[v(3)]);
     assert_eq!(found.controllable_rank, 1);
-    // w has no equation: it is an input, but nobody's to set.
+    // w has no equation, so it counts as an input, but not as one that can be set.
     assert_eq!(found.linear.inputs, [v(3), v(4)]);
     assert_eq!(found.actuators, [v(3)]);
     assert_eq!(near(&read(&two_carts()), &[], &[v(3)]).controllable_rank, 4);
@@ -160,12 +160,12 @@ fn lags_are_states_and_the_unit_circle_is_the_border() {
     close(&l.b, &[0.0, 0.0, 1.0, 0.0]);
     assert_eq!(found.controllable_rank, 4);
     assert_eq!(found.stability, Some(Stability::Stable));
-    // Roots of z² − 0.6 z + 0.2, and two of the delay.
+    // Roots of z² − 0.6 z + 0.2, and two from the delay.
     let modes = found.modes.unwrap();
     assert!((modes[0].re - 0.3).abs() < 1e-12);
     assert!((modes[0].im - 0.11f64.sqrt()).abs() < 1e-12);
     assert_eq!((modes[1].re, modes[1].im, modes[2].re), (0.0, 0.0, 0.0));
-    // A lag that is not named is what its signal is: this point rests.
+    // A lag without a given value has that of its signal, so this point is an equilibrium.
     let y = (-0.4 - 0.2f64).mul_add(1.0, 0.0) / 0.1;
     let rest = near(&d, &[(v(1), y)], &[]);
     assert!(rest.linear.is_equilibrium(), "{:?}", rest.linear.drift);
@@ -200,7 +200,7 @@ fn kinks_show_their_sides_and_smooth_places_none() {
         let a = sides.map(|(_, l): &(_, Option<Linear>)| l.as_ref().unwrap());
         a.map(|l| (l.a[(0, 0)], l.a[(1, 0)])).collect()
     };
-    // The second equation follows the first's rate, so its slope by x has sides too.
+    // The second equation contains the first rate, so its derivative by x has two sides as well.
     let abs = bends(&[("abs(x)", -2.0)], 0.0);
     assert_eq!(slopes(&abs), [(-2.0, -1.0), (2.0, 1.0)]);
     let max = bends(&[("max(x, 3*x, y)", 1.0)], 0.0);
@@ -216,7 +216,7 @@ fn kinks_show_their_sides_and_smooth_places_none() {
 
 #[test]
 fn implicit_equations_are_differentiated_through_newton_s_solution() {
-    // dx + 0.1 dx³ = −x + 1: slope −1/(1 + 0.3 dx²).
+    // dx + 0.1 dx³ = −x + 1 has the derivative −1/(1 + 0.3 dx²).
     let d = read(&document(
         &[("x", "state", 1)],
         "continuous",
@@ -246,7 +246,7 @@ fn points_without_a_linear_system_are_refused_for_their_reason() {
     assert_eq!(one(&[("dx^2", 1.0), ("x", 1.0)], 5.0), NoLinear::NoSolution);
 }
 
-/// Rounding of π, and of what cancels, makes no entries.
+/// Rounding of π, or in cancellation, must not create entries.
 #[test]
 fn what_is_zero_up_to_the_digits_of_the_point_is_zero() {
     let d = read(&document(
@@ -300,7 +300,7 @@ proptest! {
         }
     }
 
-    /// A matrix with known eigenvalues, disguised by a change of its states.
+    /// A matrix with known eigenvalues, in a random basis.
     #[test]
     fn eigenvalues_are_those_that_were_built_in(
         real in prop::collection::vec(-5.0..5.0f64, 3),
@@ -326,7 +326,7 @@ proptest! {
     }
 }
 
-/// The command on a document.
+/// Runs the command on a document.
 fn linearize(document: &serde_json::Value, args: &[&str]) -> Run {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("R.json");

@@ -1,10 +1,10 @@
-//! Logs of several rates through the program: the pendulum of crates/formats/tests/data/make_logs.py.
+//! Logs with several sampling rates: the pendulum of crates/formats/tests/data/make_logs.py.
 
 use std::fs;
 
 use sidc_testing::program::{root, sidc, sidc_in};
 
-/// Each log, with its names of the angle and of the torque.
+/// Each log with its names for angle and torque.
 const LOGS: [(&str, &str, &str); 2] = [
     ("pendulum.ulg", "encoder_position_0", "motor_torque"),
     ("zstd.mcap", "encoder_position_0", "motor_wrench_torque_z"),
@@ -52,7 +52,7 @@ fn a_pendulum_is_found_in_its_logs() {
     }
 }
 
-/// A column that the log lacks is looked for among all of it, and only those that were chosen are in a draft.
+/// A column missing from the log is compared with all names in it, and a draft contains only the chosen columns.
 #[test]
 fn names_in_a_log_are_found() {
     for (log, angle, torque) in LOGS {
@@ -70,7 +70,7 @@ fn names_in_a_log_are_found() {
             "{}",
             run.stdout
         );
-        // Its values fit, a table of all of them does not.
+        // The chosen columns fit in this memory, all of them do not.
         let memory = if log.ends_with("ulg") {
             "100kB"
         } else {

@@ -1,4 +1,4 @@
-//! The one integration binary: a file a subject, each through the public interface.
+//! The only integration binary: one file per subject, each using the public interface.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 

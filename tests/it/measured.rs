@@ -1,4 +1,4 @@
-//! Records of real rigs and of other people's benchmarks, in tests/data with their licences, and of our own rigs like those.
+//! Records of real rigs and published benchmarks, in tests/data with their licences, and simulated rigs like them.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -37,7 +37,7 @@ fn near(found: &[(String, f64)], wanted: &[(&str, f64)], part: f64) {
     }
 }
 
-/// Published: 64.2 sin θ − 0.067 θ̇; least squares on our own smoothing gives −0.055.
+/// Published: 64.2 sin θ − 0.067 θ̇. Least squares with our smoothing gives −0.055.
 #[test]
 fn a_measured_pendulum_gives_gravity_and_damping() {
     let data = record("pendulum_single_free.csv");
@@ -48,7 +48,7 @@ fn a_measured_pendulum_gives_gravity_and_damping() {
         (found[0].iter().cloned()).partition(|(name, _)| known.contains(&name.as_str()));
     near(&laws[..1], &[("dtheta", -0.055)], 0.05);
     near(&laws[1..], &[("sin(theta)", 64.2)], 0.01);
-    // What is left is the tilt of its zero, 0.3 % of gravity.
+    // The remainder is the tilt of its zero, 0.3 % of gravity.
     for (name, a) in &rest {
         assert!(a.abs() < 0.003 * 64.2, "{name}: {a}");
     }
@@ -88,7 +88,7 @@ ddtheta2 ~ near + c * <ddtheta1, dtheta1^2, dtheta2^2, dtheta1*dtheta2, 1>
     near(&found[1], &second, 1e-5);
 }
 
-/// Two tanks of which one is measured: no equation of one state is right, and that is what has to be said.
+/// Two tanks with one measured: no equation of one state is right, and the answer must say so.
 #[test]
 fn a_hidden_state_ends_in_doubt() {
     let folder = tempfile::tempdir().unwrap();
@@ -113,7 +113,7 @@ fn a_hidden_state_ends_in_doubt() {
     }
 }
 
-/// `sidc identify` with a window: status, document.
+/// Runs `sidc identify` with a window. Returns status and document.
 fn within(model: &str, data: &[PathBuf], window: &str) -> (i32, serde_json::Value) {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("model.sid");
@@ -154,7 +154,7 @@ fn close(found: f64, wanted: f64, part: f64) {
     );
 }
 
-/// A Duffing oscillator as a circuit: its four terms, two that the converter's offset makes, and the offset is named.
+/// A Duffing oscillator as a circuit: its four terms are found, with two caused by the converter's offset, which is named.
 #[test]
 fn the_offset_of_a_converter_is_named_beside_the_duffing_terms() {
     let folder = tempfile::tempdir().unwrap();
@@ -173,7 +173,7 @@ fn the_offset_of_a_converter_is_named_beside_the_duffing_terms() {
     );
 }
 
-/// A propeller on an arm, whose motor is a hidden state: few terms, and said to be wrong.
+/// A propeller on an arm with the motor as hidden state: the answer has few terms and is doubted.
 #[test]
 fn a_lagging_motor_buys_few_terms() {
     let data = record("aeroshield.csv");
@@ -192,7 +192,7 @@ ddtheta ~ <sin theta, cos theta, dtheta, dtheta*abs(dtheta), sign dtheta, u, u^2
     );
 }
 
-/// Pelts of 1900 to 1920; Stan's posterior means are .55, .028, .80, .024.
+/// Pelts from 1900 to 1920; Stan's posterior means are .55, .028, .80, .024.
 #[test]
 fn lynx_and_hare_eat_as_published() {
     let data = record("lynx_hare.csv");
@@ -207,7 +207,7 @@ fn lynx_and_hare_eat_as_published() {
     assert!(doubts.contains(&"few-rows".to_string()), "{doubts:?}");
 }
 
-/// Two measured angles of a real double pendulum, one second of them: gravity and both couplings.
+/// Two measured angles of a real double pendulum over one second: gravity and both couplings are found.
 #[test]
 fn a_real_double_pendulum_shows_its_couplings() {
     let data = record("pendulum_double_free.csv");

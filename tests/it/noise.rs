@@ -1,4 +1,4 @@
-//! Noise that the user declares is the tolerance of the fit, for measured signals as for estimated ones.
+//! Declared noise is the tolerance of the fit, for measured and for estimated signals.
 
 use std::fs;
 use std::path::Path;
@@ -7,7 +7,7 @@ use sidc_testing::pendulum_regression::Random;
 use sidc_testing::program::{Run, file, sidc};
 use sidc_testing::records::contradicting_rows;
 
-/// Standard deviation of the angular acceleration's sensor; the signal's own size is 20.
+/// Standard deviation of the angular acceleration's noise; the signal itself is about 20.
 const SIGMA: f64 = 0.05;
 
 /// The pendulum's table with noise on `ddtheta`.
@@ -85,7 +85,7 @@ fn rows_that_contradict_each_other_are_doubted_however_many_terms_there_are() {
     let folder = tempfile::tempdir().unwrap();
     let (model, data) = (folder.path().join("m.sid"), folder.path().join("d.csv"));
     fs::write(&model, "state x, z\ndx ~ poly(x, z; 8)\n").unwrap();
-    // Twelve different rows and 45 terms.
+    // Twelve distinct rows and 45 terms.
     fs::write(&data, contradicting_rows()).unwrap();
     let run = sidc(&[
         "identify",

@@ -1,4 +1,4 @@
-//! `prefer`, from the model to what is printed: which norm an answer is the smallest in, and the path that leads to it.
+//! `prefer`, from the model to the output: the norm in which an answer is smallest, and the path that leads to it.
 
 use std::fs;
 
@@ -36,7 +36,7 @@ fn the_evidence_names_the_norm_that_the_model_prefers() {
     }
 }
 
-/// The last knot of the path has the terms of the answer, in whichever norm that is the smallest; the plain path takes more knots.
+/// The last knot of the path has the terms of the answer, in the norm in which that is smallest; the plain path has more knots.
 #[test]
 fn the_path_is_that_of_the_norm_of_the_answer() {
     let directory = tempfile::tempdir().unwrap();

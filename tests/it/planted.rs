@@ -1,4 +1,4 @@
-//! Records that cannot say what is asked of them: the cause is named, no wrong answer passes, and the advice helps.
+//! Records that cannot answer the question asked of them: the cause is named, no wrong answer passes, and the advice helps.
 
 use sidc_lang::term::Language;
 use sidc_system::discovery::{Cause, Discovery, Equation, Finding, Identifiability, Status};
@@ -9,7 +9,7 @@ use sidc_testing::plants::response;
 use sidc_testing::program::record;
 use sidc_testing::{integrate, random};
 
-/// All sixty; `cargo run --release -p sidc-studies --bin planted` prints them one by one.
+/// All sixty cases; `cargo run --release -p sidc-studies --bin planted` prints them one by one.
 #[test]
 fn planted_causes_are_named_and_no_wrong_answer_passes() {
     let (mut named, mut wrong, mut missed) = (0, Vec::new(), Vec::new());
@@ -52,7 +52,7 @@ fn case(model: &str, tables: Vec<String>) -> Case {
     }
 }
 
-/// Six seconds of a pendulum that starts at an angle, read with 1 % noise of its spread.
+/// Six seconds of a pendulum that starts at an angle, with noise of 1 % of its spread.
 fn swing(start: f64, seed: u64) -> String {
     let mut random = random::Random::new(seed);
     let times = integrate::grid(300, 0.02);
@@ -65,7 +65,7 @@ fn swing(start: f64, seed: u64) -> String {
     format!("t,theta\n{rows}")
 }
 
-/// The record that cannot tell θ from sin θ says how far the angle has to go; a record that goes there tells them apart.
+/// A record that cannot distinguish θ from sin θ says how large the angle must become, and a record that reaches it can.
 #[test]
 fn following_the_advice_separates_an_angle_from_its_sine() {
     const MODEL: &str = "state theta : order 2\nddtheta ~ <theta, sin(theta), dtheta>\n";
@@ -86,7 +86,7 @@ fn following_the_advice_separates_an_angle_from_its_sine() {
     }
 }
 
-/// ODEBench's 63rd system: S + E + I + R = 1, and the sparsest of many exact supports is the truth.
+/// ODEBench's system 63: S + E + I + R = 1, and the sparsest of many exact supports is the truth.
 #[test]
 fn the_conserved_sum_of_an_epidemic_is_named() {
     let read = |name: &str| std::fs::read_to_string(record(name)).unwrap();
@@ -109,7 +109,7 @@ fn the_conserved_sum_of_an_epidemic_is_named() {
     }
 }
 
-/// Two inputs, one of which never moves, and a state that is read without noise: the exact words.
+/// Two inputs, one of them constant, and a state without noise: the exact words.
 #[test]
 fn the_sentences_read_well() {
     let all = cases::cases(0);
@@ -134,7 +134,7 @@ fn the_sentences_read_well() {
     });
 }
 
-/// What is exact and clean is as short as before: nothing is said that does not bear on the equation.
+/// Exact and clean data give a short answer: only what matters to the equation is reported.
 #[test]
 fn good_data_are_not_talked_about() {
     let f = |_: f64, x: &[f64; 2]| [x[1], -9.81 * x[0].sin() - 0.2 * x[1]];
@@ -147,7 +147,7 @@ fn good_data_are_not_talked_about() {
     let e = &d.equations[0];
     assert_eq!(e.status, Status::Pass);
     assert!(!sidc_emit::evidence(&d).contains("data["));
-    // For those who ask there is an identity, which needs two terms for one.
+    // The evidence has an identity, which needs two terms for one.
     let i = judged(e);
     assert_eq!((i.columns, i.rank), (6, 5));
     let identity =

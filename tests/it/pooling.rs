@@ -1,5 +1,5 @@
-//! Several runs of one plant estimated jointly: of other lengths, steps and starts, one of them bad, side by side, below each other,
-//! with coefficients that differ.
+//! Several runs of one plant estimated jointly: with different lengths, steps and starts, with a bad one, side by side or stacked in a file, with
+//! coefficients that differ.
 
 use std::fs;
 use std::path::Path;
@@ -11,7 +11,7 @@ use sidc_testing::program::{Run, sidc_in};
 
 const MODEL: &str = "state x : order 2\ninput u : hold\nddx ~ poly(x, dx; 2) + u\n";
 
-/// A mass on a spring under held levels of force, read with noise 0.01: t, x, u.
+/// A mass on a spring under held levels of force, read with noise of 0.01: t, x, u.
 struct Record {
     mass: f64,
     step: f64,
@@ -54,7 +54,7 @@ fn record(mass: f64, step: f64, rows: usize, from: f64, seed: u64) -> [Vec<f64>;
     .columns()
 }
 
-/// Cells of `columns`, empty behind the end of each.
+/// A table of `columns`, with empty cells after the end of each.
 fn table(header: &str, columns: &[&Vec<f64>]) -> String {
     let rows = columns.iter().map(|c| c.len()).max().unwrap_or(0);
     let mut text = format!("{header}\n");
@@ -128,7 +128,7 @@ fn runs_of_other_lengths_steps_and_starts_pool() {
     close(&found, &PLANT);
 }
 
-/// From 3.2 s on, the sensor of one run reads something else.
+/// From 3.2 s on, the sensor of one run reads something unrelated.
 #[test]
 fn a_bad_run_is_named_with_its_place_and_the_others_give_the_answer() {
     let [t, mut x, u] = record(1.0, 0.02, 400, 0.0, 7);
@@ -192,11 +192,11 @@ fn a_mass_that_differs_between_runs_is_found_and_declared() {
     }
 }
 
-/// The runs share what nobody said to differ.
+/// Runs share all coefficients that are not declared per run.
 #[test]
 fn a_gain_alone_differs() {
     let heavy = record(1.0, 0.04, 300, 0.0, 4);
-    // The actuator of one run pushes twice as hard as its record says.
+    // The actuator of one run pushes twice as hard as recorded.
     let [t, x, u] = heavy;
     let u = u.iter().map(|u| 0.5 * u).collect();
     let files = [
@@ -219,7 +219,7 @@ fn a_gain_alone_differs() {
     assert!((gain(0) - 1.0).abs() < 0.02 && (gain(1) - 2.0).abs() < 0.04);
 }
 
-/// Every run is simulated with its own value.
+/// Every run is simulated with its own coefficients.
 #[test]
 fn simulations_take_the_coefficients_of_their_run() {
     let folder = tempfile::tempdir().unwrap();
@@ -263,7 +263,7 @@ fn simulations_take_the_coefficients_of_their_run() {
     );
 }
 
-/// Two experiments beside each other, the second one shorter and with times of its own.
+/// Two experiments side by side; the second is shorter and has its own times.
 #[test]
 fn experiments_side_by_side_are_runs() {
     let (a, b) = (
@@ -283,7 +283,7 @@ fn experiments_side_by_side_are_runs() {
     let names = serde_json::json!(["side.csv (yEst)", "side.csv (yVal)"]);
     assert_eq!(found["settings"]["data"], names);
 
-    // A column that one of them lacks is named with its place.
+    // A missing column is reported with its place.
     let block = block.replace("yVal", "yval");
     let side = table("tEst,uEst,yEst,tVal,uVal,yVal", &columns);
     let (run, _) = identify(
@@ -298,7 +298,7 @@ fn experiments_side_by_side_are_runs() {
     );
 }
 
-/// The same below each other, with a column that says which row belongs to which.
+/// The same experiments stacked, with a column that identifies them.
 #[test]
 fn experiments_below_each_other_are_runs() {
     let mut text = String::from("id,t,x,u\n");
@@ -317,7 +317,7 @@ fn experiments_below_each_other_are_runs() {
     close(&found, &PLANT);
 }
 
-/// The friction of `sign(dx)` has no slope at its jump, so full steps of such a fit swing between two points.
+/// `sign(dx)` has no derivative at its jump, so full steps of such a fit oscillate between two points.
 #[test]
 fn a_fit_with_a_jump_in_a_rate_is_not_lost() {
     let cart = |rows: usize, from: f64, seed: u64| {
@@ -330,7 +330,7 @@ fn a_fit_with_a_jump_in_a_rate_is_not_lost() {
             let push = levels[k / 12];
             x.push(z[0] + 2e-4 * random.normal());
             u.push(push);
-            // In short steps, so that sticking is followed.
+            // Short steps resolve the sticking.
             for _ in 0..40 {
                 let force = -8.0 * z[1] + 8.0 * push - 0.3 * f64::signum(z[1]);
                 z = [z[0] + z[1] * 0.025 / 40.0, z[1] + force * 0.025 / 40.0];

@@ -1,4 +1,4 @@
-//! Prediction some time ahead: what is asked, what is answered, and what the exit status says then.
+//! Prediction over a horizon: requests, answers, and exit statuses.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ fn identify(args: &[&str]) -> Run {
     sidc(&[&["identify", "-q"], args].concat())
 }
 
-/// Exit status, and the document's verdict.
+/// The exit status and the document's verdict.
 fn verdict(args: &[&str]) -> (i32, serde_json::Value) {
     let run = identify(&[args, &["--json"]].concat());
     let document: serde_json::Value =
@@ -29,7 +29,7 @@ fn write(folder: &Path, name: &str, text: &str) -> String {
     path.display().to_string()
 }
 
-/// A free pendulum that swings widely, positions only, with noise: time and angles.
+/// A free pendulum with large swings and noisy positions: times and angles.
 fn pendulum(rows: usize, noise: f64, seed: u64) -> (Vec<f64>, Vec<f64>) {
     let time = grid(rows, 0.02);
     let law = |_: f64, x: &[f64; 2]| [x[1], -9.8 * x[0].sin() - 0.1 * x[1]];
@@ -77,7 +77,7 @@ fn a_law_that_is_doubted_is_good_or_not_by_what_is_asked() {
         .zip(&angles)
         .for_each(|(t, a)| table.push(&[*t, *a]));
     let data = write(folder.path(), "p.csv", &table.csv());
-    // No sine: the best there is, and doubted.
+    // The library lacks the sine, so the best equation is doubted.
     let model = "state th : order 2\nddth ~ <th, dth>\n";
     let model = write(folder.path(), "m.sid", model);
     let (status, told) = verdict(&[&model, &data, "--horizon", "0.1", "--good=20%"]);
@@ -116,7 +116,7 @@ fn noisy_positions_alone_are_predicted_from_fitted_states() {
         errors.push(error);
     }
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
-    // The readings that it is compared with have noise of 0.02 themselves.
+    // The readings used for comparison have noise of 0.02 themselves.
     assert!(mean < 0.026 && mean > 0.015, "{errors:?}");
 }
 
@@ -155,7 +155,7 @@ fn chaos_is_followed_until_its_start_is_forgotten() {
     assert_eq!(told["law"], "passes", "{told}");
 }
 
-/// θ̈ = 20 sin θ + u, held up by u from noisy readings and pushed now and then: time, angle, input.
+/// θ̈ = 20 sin θ + u, stabilised by u from noisy readings and pushed from time to time: time, angle, input.
 fn balanced(rows: usize) -> [Vec<f64>; 3] {
     let (time, mut random) = (grid(rows, 0.02), Random::new(7));
     let push = random.square(rows, (10, 30), 4.0);
@@ -207,7 +207,7 @@ fn an_unstable_plant_is_judged_by_prediction_and_not_by_its_free_run() {
 #[test]
 fn what_holds_for_the_data_used_alone_is_doubted_though_the_plant_is_unstable() {
     let [time, angle, mut input] = balanced(1_200);
-    // In the part held out the record of the input is that of another actuator.
+    // In the held-out part, the recorded input belongs to another actuator.
     for (k, u) in input.iter_mut().enumerate().skip(840) {
         *u = 6.0 * (0.05 * k as f64).sin();
     }
@@ -286,7 +286,7 @@ fn bands_hold_what_they_promise_on_data_held_out() {
     let band = prediction.signals[0].band.as_ref().unwrap();
     let held = band.held_out.as_ref().unwrap();
     assert_eq!((band.predictions, held.course.len()), (400, 400));
-    // Readings of a second are predicted with the same error: some 60 of the 400 are independent, 90 % have a standard error of 4 % there.
+    // Predictions within a second share their errors: about 60 of the 400 are independent, so 90 % has a standard error of 4 %.
     assert!((held.fixed - 0.9).abs() < 0.12, "{}", held.fixed);
     assert!((held.following - 0.9).abs() < 0.04, "{}", held.following);
 }

@@ -1,4 +1,4 @@
-//! Columns of rates as users have them: measured, biased, computed from the positions, and what is said and done about each.
+//! Rate columns as users have them: measured, biased, or computed from positions, and how each is reported and used.
 
 use std::fs;
 use std::path::Path;
@@ -9,7 +9,7 @@ use sidc_testing::program::{Run, sidc};
 const STEP: f64 = 0.02;
 const ROWS: usize = 700;
 
-/// ddx = −8 sin x − 0.3 dx by Runge–Kutta: positions and rates, with a row before the first and one behind the last.
+/// ddx = −8 sin x − 0.3 dx by Runge–Kutta: positions and rates, with an additional row before the first and after the last.
 fn pendulum() -> (Vec<f64>, Vec<f64>) {
     let rate = |z: [f64; 2]| [z[1], -8.0 * z[0].sin() - 0.3 * z[1]];
     let ahead = |z: [f64; 2], k: [f64; 2], h: f64| [z[0] + h * k[0], z[1] + h * k[1]];
@@ -94,7 +94,7 @@ fn differences_of_the_positions_are_no_measurement() {
             );
             assert!(run.stderr.contains(said), "{}", run.stderr);
             is_the_law(&run);
-            // The line that the help offers says the same without a warning.
+            // The line proposed in the help gives the same result without a warning.
             let told = identify(folder.path(), &x, dx, "data { dx = none }\n");
             assert!(!told.stderr.contains("computed-rate"), "{}", told.stderr);
             assert_eq!(told.stdout, run.stdout);

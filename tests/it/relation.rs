@@ -1,4 +1,4 @@
-//! Coupled equations as relations: copies of each other are named and replaced where that is possible, laws are left alone.
+//! Coupled equations as relations: redundant ones are named and replaced if possible, independent laws are kept.
 
 use std::fmt::Write;
 
@@ -11,13 +11,13 @@ use sidc_testing::records::joined;
 
 const STEP: f64 = 0.01;
 
-/// A pendulum on a cart, pushed by a motor whose force follows its command `u` late.
+/// A pendulum on a cart, pushed by a motor whose force lags its command `u`.
 #[derive(Clone, Copy, Debug)]
 struct CartPole {
     cart: f64,
     bob: f64,
     rod: f64,
-    /// Largest command, and the motor's time constant, which is zero if there is none.
+    /// Largest command, and the motor's time constant; zero means no lag.
     command: f64,
     lag: f64,
     seed: u64,
@@ -89,7 +89,7 @@ impl CartPole {
     }
 }
 
-/// Everything measured, without error.
+/// All signals, measured without error.
 fn exact(samples: &[Sample]) -> String {
     let mut text = "t,x,theta,dx,dtheta,ddx,ddtheta,u\n".to_string();
     for (k, s) in samples.iter().enumerate() {
@@ -99,7 +99,7 @@ fn exact(samples: &[Sample]) -> String {
     text
 }
 
-/// Positions alone, with noise as a part of their spread.
+/// Positions alone, with noise relative to their spread.
 fn positions(samples: &[Sample], noise: f64) -> String {
     let mut random = Random::new(5);
     let size = |i: usize| {
@@ -129,7 +129,7 @@ fn document(run: &Run) -> Value {
     serde_json::from_str(&run.stdout).unwrap_or_else(|_| panic!("{}{}", run.stdout, run.stderr))
 }
 
-/// The reason `same-relation` of an equation, if it has it.
+/// The text of the reason `same-relation`, if the equation has it.
 fn reason(document: &Value, equation: usize) -> Option<&str> {
     let reasons = document["equations"][equation]["reasons"].as_array()?;
     let own = reasons.iter().find(|r| r["code"] == "same-relation")?;
@@ -150,7 +150,7 @@ fn coefficient(document: &Value, equation: usize, term: &str) -> f64 {
     found["coefficient"].as_f64().unwrap()
 }
 
-/// What a cart's library has without its motor, and both laws with everything.
+/// Libraries for both laws; only the input is missing.
 const NO_MOTOR: &str = "state x, theta : order 2
 ddx     ~ <1, dx, x> + <1, sin theta, cos theta>*<ddtheta, sin theta, dtheta, dtheta^2>
 ddtheta ~ <1, dtheta, dx> + <1, sin theta, cos theta>*<ddx, sin theta, dtheta, dtheta^2>\n";
@@ -193,7 +193,7 @@ fn a_cart_whose_motor_is_not_in_its_library_is_named() {
     assert!(found["equations"][1]["evidence"]["relation"].is_null());
 }
 
-/// The condition of the mass matrix alone would not have told: it is some hundreds here.
+/// The condition number of the mass matrix would not show this: it is only some hundreds.
 #[test]
 fn rough_copies_are_seen_from_what_they_leave_open() {
     let table = positions(&SMALL.run(1000), 1e-3);
@@ -222,7 +222,7 @@ fn integrals_show_the_copy_as_well() {
     says(&found, 1, &["the equation of ddx is this one"]);
 }
 
-/// Without gravity in its library, it is the pendulum that repeats the cart, as nearly as it can without a division.
+/// The pendulum's library lacks gravity, so it repeats the cart's law as nearly as possible without a division.
 #[test]
 fn the_one_that_lacks_physics_is_the_copy() {
     let model = "state x, theta : order 2
@@ -245,7 +245,7 @@ ddtheta ~ <1, cos(theta)>*<1, dtheta, ddx, u, dx, dtheta^2*sin(theta)>\n";
     );
 }
 
-/// A copy has fewer terms than the law: x and y are joined by inertia, and only x is pushed.
+/// The copy has fewer terms than the law: x and y are coupled by inertia, and only x is pushed.
 #[test]
 fn a_law_of_its_own_takes_the_place_of_a_shorter_copy() {
     let table = joined(0.3, [4.0, 9.0, 0.0], 3);
@@ -267,7 +267,7 @@ ddx ~ <x, y, dx, dy, x^2, y^2, ddy, u>\nddy ~ <x, y, dx, dy, x^2, y^2, ddx>\n";
     assert!(line.is_some_and(|l| l.contains(wanted)), "{}", run.stdout);
 }
 
-/// A motor that lags by three samples: the copy fits its rows a little better than the cart's law without the lag.
+/// A motor that lags by three samples: the copy fits slightly better than the cart's law without the lag.
 #[test]
 fn a_bearable_law_takes_the_place_of_a_copy_and_says_so() {
     let cart = CartPole {
@@ -294,7 +294,7 @@ fn a_bearable_law_takes_the_place_of_a_copy_and_says_so() {
     assert_eq!(reason(&found, 1), None);
 }
 
-/// Three laws of which the third is the first two put together; no two of them are one.
+/// Three laws, the third of which combines the first two; no two of them are equivalent.
 #[test]
 fn a_law_that_follows_from_two_others_is_named() {
     let mut random = Random::new(3);
@@ -342,7 +342,7 @@ fn what_is_shown_reads_well() {
     insta::assert_snapshot!(text.join("\n"));
 }
 
-/// Real couplings, light and heavy bodies: the mass matrix of a thousandfold bob on its cart is nearly singular, and known well.
+/// Real couplings, with light and heavy bodies: with a heavy bob on a light cart the mass matrix is nearly singular, but well determined.
 #[test]
 fn a_heavy_bob_on_a_light_cart_is_no_copy() {
     for (cart, bob) in [(1.0, 0.1), (0.1, 1.0), (0.01, 10.0)] {
@@ -359,7 +359,7 @@ fn a_heavy_bob_on_a_light_cart_is_no_copy() {
     }
 }
 
-/// A real double pendulum, which is coupled by its accelerations.
+/// A real double pendulum, coupled by its accelerations.
 #[test]
 fn a_measured_double_pendulum_is_no_copy() {
     let table = std::fs::read_to_string(record("pendulum_double_free.csv")).unwrap();
@@ -424,7 +424,7 @@ proptest! {
         prop_assert_eq!(reason(&found, 0), None);
         prop_assert_eq!(reason(&found, 1), None);
         let found = document(&identify(&model(""), &text, &["--json"]));
-        // Both are exact: that the first lacks its force is not in the data.
+        // Both are exact, so the data cannot show that the first lacks its force.
         let told = [0, 1].map(|i| reason(&found, i).unwrap_or_default());
         let copies = ["that of ddy solved for ddx", "that of ddx solved for ddy"];
         let named = told.iter().zip(copies).filter(|(t, c)| t.contains(c)).count();

@@ -1,4 +1,4 @@
-//! Other ways to write the relations of coupled equations: what is printed and written, and that the equations stay.
+//! Other forms of the relations of coupled equations: what is printed and stored, and that the equations are kept.
 
 use std::fmt::Write;
 
@@ -9,7 +9,7 @@ use sidc_testing::program::{Run, sidc_in};
 
 const STEP: f64 = 0.02;
 
-/// A cart on springs that carries another; x2 is where that stands on the first. By Runge–Kutta, everything measured.
+/// A cart on springs that carries another; x2 is relative to the first. By Runge–Kutta, with all signals measured.
 fn carts() -> String {
     let accelerations = |z: &[f64; 4], u: f64| {
         let [x1, x2, v1, v2] = *z;
@@ -65,7 +65,7 @@ fn identify(model: &str, more: &[&str]) -> Run {
     )
 }
 
-/// The force between the carts goes out of the sum of both laws.
+/// The force between the carts cancels in the sum of both laws.
 #[test]
 fn a_sum_of_laws_with_fewer_terms_is_told_and_the_equations_stay() {
     let run = identify(CARTS, &[]);
@@ -106,7 +106,7 @@ fn evidence_says_what_was_searched() {
     );
 }
 
-/// What is written is read again, and said in the report.
+/// The relations are stored, read back and shown in the report.
 #[test]
 fn the_report_of_a_result_says_it_too() {
     let folder = tempfile::tempdir().unwrap();

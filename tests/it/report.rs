@@ -1,4 +1,4 @@
-//! `sidc report`: one page that stands alone, says what is the case, and takes no text of a file for its own.
+//! `sidc report`: one self-contained page with true statements that escapes all texts from files.
 
 use std::path::Path;
 use std::process::Command;
@@ -29,7 +29,7 @@ fn report(result: &str, data: &str) -> Run {
     sidc(&["report", result, data, "-q"])
 }
 
-/// Tags in order of appearance, after every one was found closed in turn: HTML that XML takes as well.
+/// Tags in order of appearance. Checks that all are closed in order, so that the HTML is also valid XML.
 fn elements(page: &str) -> Vec<String> {
     let mut open: Vec<String> = Vec::new();
     let mut all = Vec::new();
@@ -53,7 +53,7 @@ fn elements(page: &str) -> Vec<String> {
     all
 }
 
-/// What any page has to be.
+/// What every page must satisfy.
 pub fn stands_alone(page: &str) {
     let elements = elements(page);
     for tag in &elements {
@@ -187,7 +187,7 @@ fn other_data_are_called_other_data() {
     );
 }
 
-/// Results without evidence, without equations, and such as run away, have their page.
+/// Results without evidence or equations, and results with diverging runs, have a page too.
 #[test]
 fn poor_results_have_a_page_too() {
     let folder = tempfile::tempdir().unwrap();
@@ -218,7 +218,7 @@ fn poor_results_have_a_page_too() {
     }
 }
 
-/// Names of files, reasons, comments of the model: nothing of them becomes markup.
+/// File names, reasons and comments of the model must not become markup.
 #[test]
 fn hostile_texts_are_shown_and_not_obeyed() {
     let folder = tempfile::tempdir().unwrap();
@@ -256,7 +256,7 @@ fn hostile_texts_are_shown_and_not_obeyed() {
     assert!(!page.contains('\u{202e}') && !page.contains('\u{7}'));
 }
 
-/// `--name: #rrggbb` of one block.
+/// The colours `--name: #rrggbb` in a block.
 fn colours(block: &str) -> Vec<(String, [f64; 3])> {
     let all = block.split("--").skip(1).filter_map(|part| {
         let (name, rest) = part.split_once(": #")?;
@@ -274,7 +274,7 @@ fn colours(block: &str) -> Vec<(String, [f64; 3])> {
     all.collect()
 }
 
-/// WCAG 2: contrast of two colours by their relative luminance.
+/// Contrast of two colours by their relative luminance (WCAG 2).
 fn contrast(a: [f64; 3], b: [f64; 3]) -> f64 {
     let light = |c: [f64; 3]| 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
     let (a, b) = (light(a), light(b));
@@ -307,13 +307,13 @@ fn everything_that_is_read_can_be_seen() {
     }
 }
 
-/// Width and height of a PNG, and how many bytes it takes.
+/// Width and height of a PNG.
 fn size(png: &[u8]) -> (u32, u32) {
     let number = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().unwrap());
     (number(16), number(20))
 }
 
-/// A Chromium that sees a page, if there is one.
+/// A Chromium that can open a page, if there is one.
 pub fn browser(folder: &Path) -> Option<Command> {
     let mut command = Command::new(sidc_testing::runtimes::chromium()?);
     let profile = folder.join("profile");
@@ -333,7 +333,7 @@ pub fn title(browser: &mut Command, html: &Path) -> String {
     title.split("</title>").next().unwrap().to_owned()
 }
 
-/// What a browser makes of a page once keys and pointer have been used on its first trajectory.
+/// Uses keys and pointer on the first trajectory of a page, and reports the effect in the title.
 const PROBE: &str = r#"<script>
 const svg = document.querySelector('#series svg[data-x]'), out = document.querySelector('output'), said = [];
 const key = (to, name) => to.dispatchEvent(new KeyboardEvent('keydown', { key: name, bubbles: true }));
@@ -354,7 +354,7 @@ said.push(figure.classList.contains('large'));
 document.title = said.join(' | ');
 </script>"#;
 
-/// Pointer and keys read the values of the lines, enlarge a picture and let go of it.
+/// Pointer and keys read values from the lines, enlarge a figure and restore it.
 #[test]
 fn pictures_are_read_by_pointer_and_by_keys() {
     let folder = tempfile::tempdir().unwrap();
@@ -369,7 +369,7 @@ fn pictures_are_read_by_pointer_and_by_keys() {
     let [hover, left, keys, focused, large, wider, ended, again] = said[..] else {
         panic!("{title}");
     };
-    // A quarter of 50 s; there the run still follows.
+    // A quarter of 50 s, where the run still follows the record.
     for shown in [hover, keys] {
         let (time, values) = shown.split_once(": measured ").unwrap();
         assert!((time.parse::<f64>().unwrap() - 12.5).abs() < 0.1, "{title}");
@@ -384,7 +384,7 @@ fn pictures_are_read_by_pointer_and_by_keys() {
     );
 }
 
-/// Where there is a Chromium, pages are drawn at the width of a phone and of a desk, light and dark.
+/// If there is a Chromium, it renders pages at the width of a phone and of a desktop, light and dark.
 #[test]
 fn browsers_draw_the_page() {
     let folder = tempfile::tempdir().unwrap();
@@ -411,7 +411,7 @@ fn browsers_draw_the_page() {
         );
         let bytes = std::fs::read(&png).unwrap();
         assert_eq!(size(&bytes), (wide, 2400));
-        // A page that is not drawn is one colour, and a few kilobytes.
+        // A page that failed to render has one colour and a few kilobytes.
         assert!(bytes.len() > 60_000, "{wide} {scheme}: {}", bytes.len());
         sizes.push(bytes.len());
     }

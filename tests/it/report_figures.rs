@@ -1,4 +1,4 @@
-//! Every figure of every gallery report, as a browser draws it: on a phone and on a desk, light and dark.
+//! Every figure of every gallery report, as a browser draws it: on a phone and on a desktop, light and dark.
 
 use std::path::Path;
 use std::sync::Mutex;
@@ -8,8 +8,7 @@ use sidc_testing::program::{models, sidc};
 
 use crate::report::{browser, page, title};
 
-/// What of a page's figures is in the wrong place: labels that are not beside their lines, that overlap, or that leave the page; axes with
-/// fewer than two labels.
+/// Finds misplaced parts of a page's figures: labels away from their lines, overlapping or outside the page, and axes with fewer than two labels.
 const PLACES: &str = r#"
 const wrong = [], wide = document.documentElement.clientWidth;
 document.querySelectorAll('details').forEach(function (d) { d.open = true; });
@@ -38,7 +37,7 @@ document.querySelectorAll('.plot').forEach(function (plot, place) {
 if (document.documentElement.scrollWidth > wide) { wrong.push('the page is wider than the window'); }
 "#;
 
-/// What cannot be told from its ground (WCAG 2.2, 1.4.3 and 1.4.11): text by less than 4.5 to 1, lines of figures by less than 3 to 1.
+/// Finds insufficient contrast (WCAG 2.2, 1.4.3 and 1.4.11): text below 4.5 to 1, lines of figures below 3 to 1.
 const CONTRAST: &str = r#"
 const parts = function (text) {
   const n = (text.match(/[\d.]+(e-?\d+)?/g) || []).map(Number);
@@ -77,13 +76,13 @@ document.querySelectorAll('svg path:not(.grid)').forEach(function (e) {
 faint.forEach(f => wrong.push('faint: ' + f));
 "#;
 
-/// A report of each model of the gallery.
+/// A report for each model of the gallery.
 fn pages(folder: &Path) -> Vec<(String, String)> {
     let names: Vec<String> = models("models")
         .into_iter()
         .filter_map(|(path, text)| {
             let stem = Path::new(&path).file_stem()?.to_str()?.to_string();
-            // A model of its own record; others share one.
+            // A model with its own record; others share one.
             text.contains(&format!("models/data/{stem}.csv"))
                 .then_some(stem)
         })
@@ -104,7 +103,7 @@ fn pages(folder: &Path) -> Vec<(String, String)> {
     all
 }
 
-/// All pages side by side in frames of one width; what is wrong with them is the title.
+/// All pages in frames of one width; the title reports what is wrong.
 fn in_frames(pages: &[(String, String)], wide: usize) -> String {
     let mut out = "<!DOCTYPE html><html><head><meta charset=\"utf-8\"><title>not run</title></head><body><script>window.said = [];</script>\n".to_string();
     for (name, page) in pages {

@@ -1,4 +1,4 @@
-//! What a report shows beyond one model and one look: several results on one page, stretches of time, motions that cannot be run freely.
+//! Further content of reports: several results on one page, selected times, motions that are too sensitive for free runs.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use sidc_testing::random::Random;
 
 use crate::report::{browser, page, result, stands_alone, title};
 
-/// A second model of the same record, which lacks what moves it.
+/// A second model of the same record that lacks the input.
 fn rival(folder: &Path) -> String {
     let model = folder.join("poor.sid").display().to_string();
     let text = "state x : order 2\ninput u : linear\nddx ~ <x, dx, cos(t), 1>\n";
@@ -41,11 +41,11 @@ fn several_results_are_compared_on_one_page() {
         row("poor &amp; small.json", "poor.sid")
             .contains("<span class=\"badge doubt\">doubted</span>")
     );
-    // The better one is marked, in predictions and in runs; a run worse than the mean has no number.
+    // The better one is marked, for predictions and for runs; a run worse than the mean has no number.
     let better = page.matches("<td><b>").count();
     assert_eq!(better, 2);
     assert!(page.contains("%</b></td><td>below 0</td>"), "fits");
-    // Both runs stand in each figure.
+    // Each figure shows both runs.
     let figure = page.split("<figure>").nth(1).unwrap();
     for line in [
         "class=\"measured\"",
@@ -54,7 +54,7 @@ fn several_results_are_compared_on_one_page() {
     ] {
         assert!(figure.contains(line), "{line}");
     }
-    // What the poor one lacks is a line to copy on its own page.
+    // The page of the poor result has a line to copy with the missing term.
     let alone = sidc(&["report", &other, data, "-q"]).stdout;
     let line = "<pre>ddx ~ &lt;x, dx, cos(t), 1&gt; + &lt;u&gt;</pre>";
     assert!(alone.contains(line), "{alone}");
@@ -70,7 +70,7 @@ fn several_results_are_compared_on_one_page() {
     assert!(run.stderr.contains("error[no-data]"), "{}", run.stderr);
 }
 
-/// The title that a script gives to the page of a Duffing oscillator, if there is a Chromium.
+/// The title that a script sets on the page of a Duffing oscillator, if there is a Chromium.
 fn scripted(folder: &Path, script: &str) -> Option<String> {
     let mut browser = browser(folder)?;
     let page = page(folder, "duffing", &["--holdout=25%"]);
@@ -80,7 +80,7 @@ fn scripted(folder: &Path, script: &str) -> Option<String> {
     Some(title(&mut browser, &html))
 }
 
-/// A stretch of time drawn with the mouse over the first figure, its marks in all figures, and back.
+/// Selects a range of time with the mouse on the first figure, reads its marks in all figures, and resets it.
 const STRETCH: &str = r#"<script>
 const all = document.querySelectorAll('#series svg[data-x]'), said = [];
 const box = all[0].getBoundingClientRect();
@@ -111,14 +111,14 @@ fn figures_over_the_same_times_show_one_stretch() {
     let [linked, labels, read, back, large] = said[..] else {
         panic!("{title}");
     };
-    // From a fifth to two fifths of 50 s.
+    // From one fifth to two fifths of 50 s.
     assert_eq!(labels, "10 12 14 16 18 20");
     let (time, _) = read.split_once(": measured ").unwrap();
     assert!((time.parse::<f64>().unwrap() - 15.0).abs() < 0.1, "{title}");
     assert_eq!([linked, back, large], ["true", "true", "0"], "{title}");
 }
 
-/// Of a chaotic motion the page shows how far ahead it is predicted, and no fit of a run that had to part.
+/// For chaotic motion the page shows how far ahead it is predicted, and no fit of a free run, which must diverge.
 #[test]
 fn chaos_is_told_by_prediction() {
     let folder = tempfile::tempdir().unwrap();
@@ -153,7 +153,7 @@ fn chaos_is_told_by_prediction() {
     assert!(!page.contains("fit \u{2212}") && page.contains("<td>below 0</td>"));
 }
 
-/// The first figure as SVG and its lines as CSV.
+/// The first figure as SVG, and its lines as CSV.
 const SAVE: &str = r#"<script>
 const kept = [];
 URL.createObjectURL = function (blob) { kept.push(blob); return '#'; };

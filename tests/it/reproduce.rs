@@ -1,4 +1,4 @@
-//! docs/reproduction is what its program writes: every section runs, and the committed numbers are those that come out again.
+//! docs/reproduction is the output of its program: every section runs, and the committed numbers can be reproduced.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -13,7 +13,7 @@ const FOLDER: &str = "docs/reproduction";
 const EXACT: f64 = 1e-8;
 const LARGEST_FIGURE: usize = 200_000;
 
-/// A committed table: names of columns, and rows.
+/// A committed table: column names and rows.
 fn committed(name: &str) -> (Vec<String>, Vec<Vec<String>>) {
     let text = file(&format!("{FOLDER}/{name}"));
     let cells = |line: &str| line.split(',').map(str::to_string).collect::<Vec<String>>();
@@ -54,7 +54,7 @@ fn every_row_of_tables_5_2_and_5_3_is_exact_and_committed() {
     }
 }
 
-/// The shares of exact answers have reached 95 % where the document says so, and stay there.
+/// The shares of exact answers reach 95 % where the document says so, and do not fall below it afterwards.
 #[test]
 fn the_fewest_samples_are_those_of_the_curve() {
     let (names, lines) = committed("smallest.csv");
@@ -129,7 +129,7 @@ fn every_section_writes_sound_files_and_all_are_committed() {
     }
 }
 
-/// A figure is a whole picture without a number that is none; a table has as many cells in every line.
+/// A figure is a complete picture without NaN; a table has the same number of cells in every line.
 fn sound(name: &str, content: &str) {
     assert!(!content.contains("NaN"), "{name}");
     match Path::new(name).extension().and_then(|e| e.to_str()) {

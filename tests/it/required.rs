@@ -1,4 +1,4 @@
-//! Terms that the model requires: in the answer whatever the method, doubted where the data do not show them, refused where they cannot be.
+//! Required terms are in the answer for every method, doubted if the data do not show them, and rejected if they are impossible.
 
 use serde_json::Value;
 use sidc::pipeline::Program;
@@ -10,7 +10,7 @@ use crate::disturbed::identify;
 
 const STEP: f64 = 0.05;
 
-/// An oscillator with a weak cubic spring, x″ = −x − 0.2 ẋ − c x³ + u, read with noise; its rates too if they are asked for.
+/// An oscillator with a weak cubic spring, x″ = −x − 0.2 ẋ − c x³ + u, read with noise, optionally with its rates.
 fn oscillator(cubic: f64, noise: f64, rates: bool) -> String {
     let mut random = Random::new(7);
     let push = |t: f64| 0.8 * (0.9 * t).sin() + 0.5 * (0.37 * t).cos();
@@ -62,7 +62,7 @@ fn a_required_term_that_acts_changes_nothing() {
     );
 }
 
-/// On rates, on clean readings, on noisy ones, by integrals, and under constraints.
+/// With measured rates, clean readings, noisy readings, the weak form, and constraints.
 #[test]
 fn whatever_the_method_a_required_term_is_in_the_answer() {
     let constrained = "constrain coef(ddx, x) = -coef(ddx, u)\n";
@@ -116,7 +116,7 @@ fn a_required_term_without_influence_is_told() {
     }
 }
 
-/// A lag that nothing measures, with a time constant that is sought, moves the oscillator: the search starts from guessed courses.
+/// An unmeasured lag with an unknown time constant drives the oscillator; the search starts from guessed trajectories.
 #[test]
 fn beside_hidden_states_and_unknown_constants_a_required_term_is_kept() {
     let mut random = Random::new(3);
@@ -144,7 +144,7 @@ fn beside_hidden_states_and_unknown_constants_a_required_term_is_kept() {
     assert!(!run.stdout.contains("lost by the search"), "{}", run.stdout);
 }
 
-/// A weak term that noise hides: the search leaves it out, and the model may insist on it.
+/// Noise hides a weak term: the search omits it, but the model may require it.
 #[test]
 fn a_term_that_noise_hides_is_kept_where_it_is_required() {
     let data = oscillator(0.0003, 0.05, false);

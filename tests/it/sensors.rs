@@ -1,4 +1,4 @@
-//! Sensors as they are: readings that are none, files of different noise, inputs that act late.
+//! Sensor faults: invalid readings, files with different noise, delayed inputs.
 
 use std::fs;
 use std::path::Path;
@@ -9,7 +9,7 @@ use sidc_testing::program::{Run, sidc};
 const STEP: f64 = 0.05;
 const MODEL: &str = "state x : order 2\nddx ~ poly(x, dx; 2)\n";
 
-/// ddx = −4x − 0.4dx + u from x = 1, by Runge–Kutta: positions at `rows` samples; `push` is u at a sample and a part of the step on.
+/// ddx = −4x − 0.4dx + u from x = 1, by Runge–Kutta: positions at `rows` samples. `push` gives u at a sample and a fraction of the step after it.
 fn motion(rows: usize, push: &dyn Fn(usize, f64) -> f64) -> Vec<f64> {
     let rate = |[x, v]: [f64; 2], u: f64| [v, -4.0 * x - 0.4 * v + u];
     let mut z = [1.0, 0.0];
@@ -60,7 +60,7 @@ fn identify(folder: &Path, model: &str, tables: &[String], more: &[&str]) -> Run
     sidc(&[&["identify", "-q"], &args[..], more].concat())
 }
 
-/// The coefficient before a term of the one equation.
+/// The coefficient of a term in the only equation.
 fn coefficient(run: &Run, term: &str) -> f64 {
     let line = run.stdout.lines().find(|l| l.starts_with("ddx = "));
     let line = line.unwrap_or_else(|| panic!("{}", run.stdout));
@@ -165,7 +165,7 @@ fn every_file_has_its_own_noise() {
         line.contains("in run1.csv") && line.contains("in run2.csv"),
         "{line}"
     );
-    // With one noise for both, the noisy file would drown the quiet one: 0.035 instead of 0.002 for all.
+    // A single noise level for both would let the noisy file dominate: an error of 0.035 instead of 0.002.
     assert!(
         (coefficient(&run, "x") + 4.0).abs() < 0.003,
         "{}",
@@ -235,7 +235,7 @@ fn a_smooth_input_may_be_late_by_part_of_a_sample_and_never_early() {
         let run = identify(folder.path(), model, &tables, &[]);
         let said = "u acts 0.075 s (1.5 samples) later than its record";
         assert_eq!(run.stdout.contains(said), late > 0.0, "{}", run.stdout);
-        // What acts before it is recorded is a fault of the record, and is doubted as what it is: a misfit.
+        // Acting before it is recorded is a fault of the record, and reported as a misfit.
         assert!(!run.stdout.contains("earlier"), "{}", run.stdout);
         assert!(run.stdout.contains("doubt["), "{}", run.stdout);
     }
@@ -267,7 +267,7 @@ fn noise_that_changes_and_grows_makes_no_outliers() {
     }
 }
 
-/// Two commands in two files, of which one acts late, and a library in which many terms can make up for that.
+/// Two commands in two files, one of them delayed, and a library with many terms that can imitate the delay.
 #[test]
 fn which_of_two_commands_is_late_is_told_with_a_rich_library() {
     let folder = tempfile::tempdir().unwrap();
@@ -300,7 +300,7 @@ fn a_state_without_an_equation_is_smoothed_before_it_acts() {
     let between = |k: usize, part: f64| (0.11 * (k as f64 + part)).sin();
     let x = noisy(&motion(400, &between), 0.002, 7);
     let z = noisy(&u, 0.2, 8);
-    // Noise of a fifth would draw the coefficient to zero by 8 %.
+    // Noise of 20 % would bias the coefficient towards zero by 8 %.
     let model = "state x : order 2\nstate z\nddx ~ <1, x, dx, z>\n";
     let run = identify(folder.path(), model, &[table(&[("x", &x), ("z", &z)])], &[]);
     assert!(
@@ -318,7 +318,7 @@ fn a_state_without_an_equation_is_smoothed_before_it_acts() {
 #[test]
 fn an_offset_that_makes_terms_is_named_with_its_size() {
     let folder = tempfile::tempdir().unwrap();
-    // A pendulum from its angle: the offset of 0.2 makes a cosine of gravity, and one of the push that turns with it.
+    // A pendulum measured by its angle: the offset of 0.2 adds cosine terms for gravity and for the push that turns with it.
     let rate = |[x, v]: [f64; 2]| [v, -9.0 * x.sin() - 0.3 * v + 2.0 * (2.0 * x).sin()];
     let mut z = [2.5, 0.0];
     let h = STEP / 8.0;
@@ -361,7 +361,7 @@ fn a_coarse_encoder_is_not_taken_for_a_missing_law() {
     let folder = tempfile::tempdir().unwrap();
     let u = levels(400);
     let x = motion(400, &|k, _| u[k]);
-    // Steps of 0.1 on motion of a third: the errors of rounding follow each other.
+    // Steps of 0.1 on a motion of 0.3: the rounding errors are correlated.
     let read: Vec<f64> = x.iter().map(|x| (x / 0.1).round() * 0.1).collect();
     let model = "state x : order 2\ninput u : hold\nddx ~ poly(x, dx, u; 3)\n";
     let run = identify(

@@ -1,4 +1,4 @@
-//! Free runs: equations of known solutions against those solutions, and the ways to end early.
+//! Free runs: equations compared with their known solutions, and the ways in which a run can end early.
 
 use sidc::{Observer, Unwatched};
 use sidc_data as data;
@@ -48,7 +48,7 @@ fn continuous(variables: &[&str], equations: &[(&str, &[(f64, &str)])]) -> Opene
     result::open("r.json", &document("continuous", variables, equations)).unwrap()
 }
 
-/// `t` from 0 in `rows` steps, and columns as functions of it.
+/// A table with `t` from 0 in `rows` steps, and columns as functions of it.
 pub fn csv(rows: usize, step: f64, columns: &[(&str, &dyn Fn(f64) -> f64)]) -> String {
     let mut text = String::from("t");
     columns
@@ -148,7 +148,7 @@ fn held_and_linear_inputs_act_as_they_are_declared() {
         let run = run(&opened, &data, &options).unwrap();
         assert_near(column(&run, &opened, "x"), |k| x(run.time[k]), within);
     }
-    // A ramp, sampled: linear between samples it is exact.
+    // A sampled ramp, for which linear interpolation is exact.
     let ramp = csv(
         100,
         0.1,
@@ -159,7 +159,7 @@ fn held_and_linear_inputs_act_as_they_are_declared() {
     );
     let run = run(&opened, &ramp, &Options::default()).unwrap();
     let truth = |t: f64| 0.25 * t - 0.125 * (2.0 * t).sin();
-    // The start's speed is estimated from the readings.
+    // The initial speed is estimated from the readings.
     assert_near(column(&run, &opened, "x"), |k| truth(run.time[k]), 1e-7);
     let score = &run.scores[0];
     assert!(
@@ -171,7 +171,7 @@ fn held_and_linear_inputs_act_as_they_are_declared() {
 
 #[test]
 fn scores_are_what_they_say() {
-    // x stays at 1; readings are 1 but for the second half, which is off by 0.5.
+    // x stays at 1; the second half of the readings is off by 0.5.
     let opened = continuous(&["state x 1"], &[("dx", &[])]);
     let data = csv(11, 1.0, &[("x", &|t| if t < 5.5 { 1.0 } else { 1.5 })]);
     let start = vec![(
@@ -221,8 +221,7 @@ fn fixed_steps_converge_with_the_fourth_power() {
 
 #[test]
 fn implicit_nonlinear_laws_are_solved_by_newton() {
-    // dx + dx³ = −x, written as dx = −x − dx³: x = −(v + v³) for the speed v, dt = −(1 + 3 v²)/v dv, so
-    // t = ln(v₀/v) + 3/2 (v₀² − v²) from v₀ < 0.
+    // dx + dx³ = −x, written as dx = −x − dx³: x = −(v + v³) for the speed v, dt = −(1 + 3 v²)/v dv, so t = ln(v₀/v) + 3/2 (v₀² − v²) from v₀ < 0.
     let opened = continuous(&["state x 1"], &[("dx", &[(-1.0, "x"), (-1.0, "dx^3")])]);
     let v0: f64 = -0.5;
     let speed = |t: f64| {
@@ -296,7 +295,7 @@ fn robertsons_reactions_keep_their_mass_over_ten_decades() {
         .for_each(|t| data.push_str(&format!("{t},1,0,0\n")));
     let run = run(&opened, &data, &Options::default()).unwrap();
     assert!(run.fault().is_none(), "{:?}", run.fault());
-    // Hairer, Wanner, Solving Ordinary Differential Equations II; CVODE's example gives the same.
+    // Hairer, Wanner, Solving Ordinary Differential Equations II; CVODE's example gives the same values.
     let truth = [
         1.0, 9.8517e-1, 9.0553e-1, 7.1582e-1, 4.5053e-1, 1.8320e-1, 3.8983e-2,
     ];
@@ -345,7 +344,7 @@ fn a_blow_up_is_told_and_what_was_run_is_kept() {
 
 #[test]
 fn what_is_not_a_number_is_found_where_it_begins() {
-    // dx = −1, so that log(x) ends at t = 1.
+    // dx = −1, so log(x) has no value from t = 1 on.
     let opened = continuous(
         &["state x 1", "state z 1"],
         &[
@@ -374,7 +373,7 @@ fn what_is_not_a_number_is_found_where_it_begins() {
 
 #[test]
 fn equations_that_become_dependent_are_named() {
-    // ddy = 1 − ddz·t, ddz = 1 − ddy: one relation at t = 1.
+    // ddy = 1 − ddz·t, ddz = 1 − ddy: dependent at t = 1.
     let opened = continuous(
         &["state y 2", "state z 2"],
         &[
@@ -433,7 +432,7 @@ fn maps_iterate_with_their_lags() {
         y.push(0.6 * y[k] - 0.2 * y[k - 1] + 0.5 * u(k) + 0.3 * u(k - 2));
     }
     let mut data = String::from("y,u\n");
-    // Readings after the start are wrong: a free run does not look at them.
+    // Later readings are wrong, but a free run ignores them.
     (0..40).for_each(|k| {
         let reading = if k < 3 { y[k] } else { 9.0 };
         data.push_str(&format!("{reading},{}\n", u(k)));
@@ -508,7 +507,7 @@ fn missing_samples_of_inputs_are_bridged_and_gaps_start_anew() {
         |k| (2.0 * run1.time[k]).cos(),
         1e-11,
     );
-    // Rows 30 to 59 are not there at all.
+    // Rows 30 to 59 are missing.
     let text = csv(
         100,
         0.1,
@@ -575,7 +574,7 @@ fn a_given_start_needs_no_measurement() {
     assert_eq!(error.code, "missing-signal");
 }
 
-/// Standard normal numbers by Box and Muller, from a fixed stream.
+/// Standard normal numbers by the Box–Muller method, from a fixed stream.
 pub fn normals(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
     let mut uniform = move || {
@@ -589,7 +588,7 @@ pub fn normals(seed: u64) -> impl FnMut() -> f64 {
 
 #[test]
 fn a_noisy_start_is_fitted_and_its_error_is_honest() {
-    // An inverted pendulum, θ̈ = 9 θ: a raw start of 1 % would be off by e⁶ after two seconds.
+    // An inverted pendulum, θ̈ = 9 θ: the error of an unfitted start would grow by e⁶ within two seconds.
     let opened = continuous(&["state x 2"], &[("ddx", &[(9.0, "x")])]);
     let truth = |t: f64| 1.001 * (-3.0 * t).exp() + 1e-3 * (3.0 * t).exp();
     let mut off = Vec::new();
@@ -618,7 +617,7 @@ fn a_noisy_start_is_fitted_and_its_error_is_honest() {
 
 #[test]
 fn a_noisy_start_of_a_map_is_fitted_with_the_samples_before_it() {
-    // A slow decaying oscillation: a raw start would be off by the noise of one reading.
+    // A slowly decaying oscillation: an unfitted start would have the noise of one reading.
     let laws: [(f64, &str); 2] = [(1.98, "y"), (-0.9851, "lag(y, 1)")];
     let text = document("discrete", &["state y 0"], &[("next(y)", &laws)]);
     let opened = result::open("r.json", &text).unwrap();
@@ -645,7 +644,7 @@ fn a_noisy_start_of_a_map_is_fitted_with_the_samples_before_it() {
             read += (readings[k] - truth[k]).powi(2);
         }
     }
-    // Two numbers fitted to a hundred readings or more leave a tenth of their noise; the run keeps that.
+    // Two numbers fitted to a hundred readings or more have a tenth of their noise; the run keeps that error.
     assert!(fitted < 0.1 * read, "{fitted} {read}");
 }
 
@@ -689,7 +688,7 @@ fn steps_beyond_counting_are_refused() {
 
 #[test]
 fn work_is_bounded_however_the_system_moves() {
-    // A frequency that no record of 100 rows is worth.
+    // A frequency too high for any record of 100 rows.
     let opened = continuous(&["state x 2"], &[("ddx", &[(-1e18, "x")])]);
     let data = csv(101, 0.1, &[("x", &|t| (1e9 * t).cos()), ("dx", &|_| 1e9)]);
     let run = sidc_testing::hang::ends(move || run(&opened, &data, &Options::default()).unwrap());
@@ -736,7 +735,7 @@ fn inputs_are_recorded_as_they_are_where_others_are_read_a_sample_ahead() {
     assert_near(column(&run, &opened, "w"), |k| 100.0 + k as f64, 0.0);
 }
 
-/// w = log x of a state that falls through zero: the run goes on, since nothing depends on w, and says where w has no value.
+/// w = log x of a state that falls through zero: nothing depends on w, so the run continues, and reports where w has no value.
 #[test]
 fn an_output_without_a_value_is_said_and_ends_nothing() {
     let found = |time: &str, target: &str, terms: &[(f64, &str)]| {
@@ -763,7 +762,7 @@ fn an_output_without_a_value_is_said_and_ends_nothing() {
     );
 }
 
-/// A rate near the last number takes a state beyond it within a sample.
+/// A rate near the largest number makes a state infinite within one sample.
 #[test]
 fn a_state_that_becomes_infinite_ends_the_run() {
     let opened = continuous(&["state x 1"], &[("dx", &[(1e308, "1")])]);

@@ -1,4 +1,4 @@
-//! `sidc simulate` as a user meets it: documents that say how data are read, what is printed, the gallery, the swing-up.
+//! `sidc simulate` for users: documents that say how data are read, the output, the gallery, the swing-up.
 
 use std::path::Path;
 
@@ -82,7 +82,7 @@ fn hostile_readings_are_refused_or_harmless() {
 
 // ---- The command ----
 
-/// The terminal's text with figures that rounding decides as `~`.
+/// The terminal's text with `~` for figures that depend on rounding.
 fn reduced(text: &str) -> String {
     let line = |line: &str| {
         let mut before = String::new();
@@ -95,7 +95,7 @@ fn reduced(text: &str) -> String {
             Piece::Number(n) => n,
         });
         let text: String = each.collect();
-        // Widths follow the figures.
+        // Column widths depend on the figures.
         let words: Vec<&str> = text.split_whitespace().collect();
         format!(
             "{}{}\n",
@@ -209,7 +209,7 @@ fn json_is_whole_and_the_table_reads_back() {
         both.starts_with("run,t,x,dx,ddx,u,x_measured\n\"a.csv\",0,1,"),
         "{both}"
     );
-    // What was simulated is data like any other.
+    // Simulated signals can be read as data.
     let (status, _, err) = command(folder.path(), &["simulate", "r.json", "both.csv"]);
     assert_eq!(status, 1, "{err}");
 }
@@ -238,8 +238,8 @@ fn a_discovery_is_simulated_as_its_data_were_read() {
 
 // ---- The gallery ----
 
-/// Models whose truth has seven digits, of which motion makes more than an error in the time of their records: the last second
-/// or sample that is compared.
+/// Models whose coefficients are given to seven digits, while their motion amplifies errors within the record; each with the last second or sample that is
+/// compared.
 const CHAOTIC: [(&str, &str); 9] = [
     ("double_pendulum", "..1"),
     ("duffing", "..20"),
@@ -252,7 +252,7 @@ const CHAOTIC: [(&str, &str); 9] = [
     ("pendulum_symmetry", "..6"),
 ];
 
-/// The equations of a model's header as a result.
+/// The equations in a model's header as a result.
 fn truth(text: &str) -> (Header, Value) {
     let header = Header::of("", text);
     let mut sources = Sources::default();
@@ -284,7 +284,7 @@ fn truth(text: &str) -> (Header, Value) {
     let unknowns = header.unknowns.iter();
     let unknowns = unknowns.map(|(name, value)| json!({ "name": name, "value": value }));
     document["unknowns"] = unknowns.collect();
-    // Where the header says nothing of a hidden state, its size is about what units are chosen for.
+    // If the header gives no values of a hidden state, a typical size is assumed.
     let hidden = model.hidden_states();
     let hidden = hidden
         .map(|(_, v)| json!({ "name": v.name, "mean": 1.0, "deviation": 30.0, "starts": [] }));
@@ -315,8 +315,7 @@ fn every_truth_of_the_gallery_follows_its_data() {
             continue;
         }
         let value: Value = serde_json::from_str(&run.stdout).unwrap();
-        // Hares and lynxes are real: their truth is a sketch.
-        // And one accelerometer of the carts is poor.
+        // Hares and lynxes are real data, so the stated equations are only approximate, and one accelerometer of the carts is noisy.
         let limit = match name.as_str() {
             "lotka_volterra" => 0.0,
             "two_carts" => -20.0,
@@ -336,7 +335,7 @@ fn every_truth_of_the_gallery_follows_its_data() {
 
 // ---- The swing-up ----
 
-/// The cart's pendulum pumped up by ±1.3 N until it goes over the top: t, y, dy, theta, dtheta, ddy, ddtheta, F; 100 Hz.
+/// The pendulum on a cart, swung up by ±1.3 N until it passes the top: t, y, dy, theta, dtheta, ddy, ddtheta, F; 100 Hz.
 fn swing_up(rows: usize) -> Vec<[f64; 8]> {
     let accelerations = |x: [f64; 4], f: f64| {
         let (s, c) = x[2].sin_cos();
@@ -375,7 +374,7 @@ fn swing_up(rows: usize) -> Vec<[f64; 8]> {
     out
 }
 
-/// The first row beyond the top.
+/// The first row after passing the top.
 fn over_the_top(rows: &[[f64; 8]]) -> usize {
     let top = std::f64::consts::PI;
     rows.iter().position(|r| r[3].abs() > top).unwrap()
@@ -391,7 +390,7 @@ fn table(rows: &[[f64; 8]], columns: &[usize], noise: Option<u64>) -> String {
         .join(",");
     for row in rows {
         let cell = |c: &usize| {
-            // One per cent of 0.3 m and of 1 rad.
+            // 1 % of 0.3 m and of 1 rad.
             let sigma = match (noise, c) {
                 (Some(_), 1) => 0.003,
                 (Some(_), 3) => 0.01,
@@ -483,7 +482,7 @@ fn a_pendulum_found_from_noisy_positions_follows_until_it_goes_over_the_top() {
     ];
     let (status, out, err) = command(folder.path(), &args);
     assert_eq!(status, 0, "{out}{err}");
-    // Against the truth, not against noisy readings.
+    // Compared with the truth, not with noisy readings.
     let table = std::fs::read_to_string(folder.path().join("run.csv")).unwrap();
     let rows: Vec<Vec<f64>> = table
         .lines()

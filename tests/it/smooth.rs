@@ -1,4 +1,4 @@
-//! The smoother against truths: noise found, curves found, errors honest.
+//! The smoother compared with known signals: noise, curves and standard errors.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use sidc_data::{Break, Smoothed, smooth};
 
 use sidc_testing::program::sidc;
 
-/// Normal deviates by summing twelve uniform ones of a small generator.
+/// Normal deviates as sums of twelve uniform ones from a small generator.
 fn noise(seed: u64, n: usize) -> Vec<f64> {
     let mut state = seed
         .wrapping_mul(2_862_933_555_777_941_757)
@@ -58,7 +58,7 @@ fn even(n: usize, step: f64) -> Vec<f64> {
     (0..n).map(|k| k as f64 * step).collect()
 }
 
-/// Lorenz's x by Runge–Kutta steps far below the sampling's.
+/// Lorenz's x, by Runge–Kutta steps much smaller than the sampling step.
 fn lorenz(n: usize, step: f64) -> Truth {
     let f = |[x, y, z]: [f64; 3]| [10.0 * (y - x), x * (28.0 - z) - y, x * y - 8.0 / 3.0 * z];
     let add =
@@ -91,7 +91,7 @@ fn estimates(s: &Smoothed) -> [&[f64]; 3] {
     [&s.values, &s.slope, &s.curvature]
 }
 
-/// Fraction of samples within two standard errors, for value, slope and curvature.
+/// Fraction of samples within two standard errors, for value, first and second derivative.
 fn covered(truth: &Truth, s: &Smoothed) -> [f64; 3] {
     let mut out = [0.0; 3];
     for (i, of) in estimates(s).into_iter().enumerate() {
@@ -107,7 +107,7 @@ fn rms(a: &[f64], b: &[f64]) -> f64 {
     (sum / a.len() as f64).sqrt()
 }
 
-/// Monte Carlo: the noise is found within a tenth, and standard errors are neither boasts nor excuses.
+/// Monte Carlo: the noise is found within 10 %, and standard errors are neither too small nor too large.
 #[test]
 fn errors_cover_the_truth() {
     let uneven: Vec<f64> = even(600, 0.01)
@@ -196,7 +196,7 @@ fn missing_values_are_bridged_and_known_noise_is_believed() {
     assert!(value > 0.85 && slope > 0.85);
 }
 
-/// A slope that jumps, and a record with a hole in which the value moved on.
+/// A slope with a jump, and a record with a gap over which the value changed.
 #[test]
 fn breaks_are_not_smoothed_across() {
     let time = even(400, 0.01);
@@ -278,7 +278,7 @@ fn odd_records_have_answers_or_none() {
         );
         assert!(s.sigma <= 1e-15 * constant.abs() + 1e-290 && s.outliers.is_empty());
     }
-    // A jump at every row: little is known, and it says so.
+    // With a jump at every row little is known, and the errors show it.
     let each: Vec<Break> = (1..50).map(|row| Break { row, order: 1 }).collect();
     let y = sine(time.clone(), 2.0).noisy(0.01, 2);
     let s = smooth(&time, &y, None, &each, true).unwrap();
@@ -291,7 +291,7 @@ fn odd_records_have_answers_or_none() {
     );
 }
 
-/// A driven oscillator's position with noise, a hole, missing cells and two outliers, as a model and a table.
+/// A driven oscillator's position with noise, a gap, missing cells and two outliers, as a model and a table.
 fn oscillator(folder: &Path) -> [String; 2] {
     let truth = sine(even(400, 0.02), 3.0);
     let y = truth.noisy(0.01, 4);
@@ -359,7 +359,7 @@ fn the_command_writes_curves_and_says_what_it_found() {
     let written = std::fs::read_to_string(&out).unwrap();
     assert_eq!(written.lines().count(), 401);
 
-    // The table is data for the same model, but a rate that smoothing made is no measurement.
+    // The table is valid data for the same model, but a rate made by smoothing does not count as measured.
     let again = sidc(&["check", &model, &out]);
     assert_eq!(again.status, 0, "{}", again.stderr);
     let measured = again.stdout.lines().find(|l| l.starts_with("measured: x,"));

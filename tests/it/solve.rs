@@ -1,4 +1,4 @@
-//! Solvers on problems with a known answer.
+//! Solvers on problems with known answers.
 
 use proptest::prelude::*;
 use sidc::Unwatched;
@@ -22,12 +22,12 @@ fn solve(solver: usize, dictionary: &dyn Dictionary, target: &[f64], tolerance: 
     SOLVERS[solver].solve(&problem, &mut Unwatched)
 }
 
-/// Places of the solvers that solve the problem stated; heuristics have tests of their own.
+/// Indices of the exact solvers; heuristics have tests of their own.
 fn exact() -> impl Iterator<Item = usize> {
     (0..SOLVERS.len()).filter(|i| SOLVERS[*i].exact())
 }
 
-/// Largest coefficient error relative to its truth, and the largest false one in unit columns relative to the largest.
+/// Largest relative error of a true coefficient, and largest contribution of a false term relative to the largest true one.
 fn errors(r: &Regression, s: &Solution) -> (f64, f64) {
     let largest = r
         .truth
@@ -84,7 +84,7 @@ fn certificate(
     certify(&problem, &s.coefficients, &s.dual)
 }
 
-/// All exact solvers say solved, their certificates hold, and the minima agree.
+/// All exact solvers report success, their certificates hold, and the minima agree.
 fn all_agree(
     dictionary: &dyn Dictionary,
     target: &[f64],
@@ -94,7 +94,7 @@ fn all_agree(
     for i in exact() {
         let solver = SOLVERS[i];
         let s = solve(i, dictionary, target, tolerance);
-        // Clarabel alone may end a digit short, where ε is close to the least residual; it then has to say so.
+        // Only Clarabel may miss a digit if ε is close to the least residual, and it must report that.
         if solver.name() == "clarabel" && matches!(s.status, Status::Inaccurate { .. }) {
             continue;
         }
@@ -157,7 +157,7 @@ fn clarabel_finds_the_pendulum_too() {
     );
 }
 
-/// A dual point that closes the gap proves nothing of coefficients that leave more than ε.
+/// Closing the gap proves nothing if the residual of the coefficients exceeds ε.
 #[test]
 fn what_leaves_too_much_is_not_optimal() {
     let phi = Dense::new(2, vec![1.0, 0.0, 0.0, 1.0]);
@@ -169,7 +169,7 @@ fn what_leaves_too_much_is_not_optimal() {
         };
         certify(&problem, a, dual)
     };
-    // The bound of (1, 0) is 1 − ε, whatever the second row leaves.
+    // The bound for (1, 0) is 1 − ε, whatever the residual in the second row.
     for (target, optimal) in [([1.0, 0.0], true), ([1.0, 0.3], false)] {
         let c = judge(&target, 0.5, &[(0, 0.5)], &[1.0, 0.0]);
         assert!(c.gap.abs() < 1e-15 && c.proves_optimal == optimal, "{c:?}");
@@ -178,7 +178,7 @@ fn what_leaves_too_much_is_not_optimal() {
         let c = judge(&[1e-3, second], 0.0, &[(0, 1e-3)], &[1.0, 0.0]);
         assert!(c.gap.abs() < 1e-15 && c.proves_optimal == optimal, "{c:?}");
     }
-    // What other answers may have elsewhere: the gap over the margin, both of λ scaled into feasibility.
+    // Contributions that other answers may have off the support: the gap over the margin, both with λ scaled to be feasible.
     let c = judge(&[1.0, 0.0], 0.0, &[(0, 1.0)], &[0.999, 0.5]);
     assert!((c.gap - 1e-3).abs() < 1e-12 && (c.margin - 0.5).abs() < 1e-12);
     assert!((c.off_support - 2e-3).abs() < 1e-12 && !c.proves_unique);
@@ -187,7 +187,7 @@ fn what_leaves_too_much_is_not_optimal() {
     assert!(c.proves_unique && c.off_support == 0.0 && c.rank == 1);
 }
 
-/// Too many columns to be put side by side: solvers that need that grow a working set of them.
+/// Too many columns to store: solvers that need stored columns use a growing working set.
 #[test]
 fn millions_of_entries_are_solved_on_growing_sets() {
     let phi = gaussian(12, 420_000, 3, |_| 1.0);
@@ -255,7 +255,7 @@ fn noise_bound_is_met_with_a_small_gap() {
                 c.gap.abs() < 1e-7 && c.proves_unique,
                 "{rows} {cols} {part}: {c:?}"
             );
-            // The dual is the residual up to a positive factor.
+            // The dual is the residual times a positive factor.
             let fit = combine(&phi, &s.coefficients);
             let factor = length(&s.dual) / tolerance;
             for ((y, f), l) in y.iter().zip(&fit).zip(&s.dual) {
@@ -463,7 +463,7 @@ fn permuting_rows_and_scaling_change_nothing() {
     }
 }
 
-/// Five of 120 columns from 40 rows, norms over `decades`: found, and proved the only minimiser.
+/// Five of 120 columns from 40 rows, with norms over `decades`, are found and proved to be the unique minimiser.
 fn planted_support_is_recovered(seed: u64, decades: i32) -> Result<(), TestCaseError> {
     let scale = |j: usize| 10f64.powi(j as i32 % (decades + 1) - decades / 2);
     let phi = gaussian(40, 120, seed, scale);
@@ -482,7 +482,7 @@ fn planted_support_is_recovered(seed: u64, decades: i32) -> Result<(), TestCaseE
     Ok(())
 }
 
-/// Columns outside the working set stand in the way of the whole step into the interior of the optimal face.
+/// Columns outside the working set prevent the full step into the interior of the optimal face.
 #[test]
 fn uniqueness_is_proved_where_columns_outside_the_working_set_are_in_the_way() {
     for seed in [2594, 33019] {
@@ -503,7 +503,7 @@ proptest! {
         seed in 0u64..100_000, rows in 1usize..24, cols in 1usize..50, rank in 1usize..24,
         decades in 0i32..10, part in prop_oneof![Just(0.0), 0.001..0.9],
     ) {
-        // Rows of limited rank, columns over many decades, one all-zero and one duplicate column.
+        // Rows of limited rank, columns over many decades, one zero and one duplicate column.
         let (left, right) = (gaussian(rows, rank, seed, |_| 1.0), gaussian(rank, cols, seed + 1, |_| 1.0));
         let mut values = Vec::new();
         for (j, column) in right.values().chunks(rank).enumerate() {

@@ -1,4 +1,4 @@
-//! `--prove-sparsest`: what it proves, what it puts in place of the smallest 1-norm, where it does not apply, where time ends.
+//! `--prove-sparsest`: what it proves, how it improves on the smallest 1-norm, where it does not apply, and what happens when time runs out.
 
 use std::ops::ControlFlow;
 
@@ -8,7 +8,7 @@ use sidc::{Activity, Data, Model, Options, Stage, Stop, Unwatched};
 use sidc_lang::source::Sources;
 use sidc_testing::program::{file, sidc};
 
-/// `evidence.sparsest` of each equation of the document that a command prints.
+/// `evidence.sparsest` of each equation in the document that a command prints.
 fn proofs(args: &[&str]) -> Vec<Value> {
     let mut words = vec!["identify", "--quiet", "--json"];
     words.extend(args);
@@ -135,7 +135,7 @@ fn a_sparser_equation_takes_the_place_of_the_smallest_one_norm() {
     let table = sidc_data::read("data.csv", text.as_bytes(), &limits, &mut sources).unwrap();
     let data = pipeline::from_tables(vec![table], Vec::new());
     let plain = Options::default().samples(12, 0);
-    // Ended once three terms are excluded.
+    // Ends when three terms are excluded.
     let mut observer = |activity: Activity| match activity {
         Activity::Equation {
             stage: Stage::Proving { terms: 4.., .. },
@@ -158,7 +158,7 @@ fn a_sparser_equation_takes_the_place_of_the_smallest_one_norm() {
     assert_eq!(proof.replaced.map(|terms| terms.len()), Some(12));
 }
 
-/// dx = (2u − w) + x w: two terms, or three where the sum is not taken as one.
+/// dx = (2u − w) + x w: two terms, or three without the sum as a single term.
 #[test]
 fn one_term_for_two_is_found_and_a_search_that_is_ended_keeps_its_bound() {
     let model =
@@ -192,7 +192,7 @@ fn one_term_for_two_is_found_and_a_search_that_is_ended_keeps_its_bound() {
     let proof = sparsest(&found);
     assert!(proof.proved && proof.all_others, "{proof:?}");
     assert_eq!((proof.terms, proof.other_count), (Some(2), 0), "{proof:?}");
-    // Ended before it begins, the rest of the answer stands, and the bound is what is known.
+    // If the proof is ended before it starts, the rest of the answer stands, and the bound reached is kept.
     let mut ended = |activity: Activity| match activity {
         Activity::Equation {
             stage: Stage::Proving { .. },
@@ -207,7 +207,7 @@ fn one_term_for_two_is_found_and_a_search_that_is_ended_keeps_its_bound() {
         stopped.equations()[0].terms.len(),
         found.equations()[0].terms.len()
     );
-    // The document is read back as it was.
+    // The document reads back unchanged.
     let text = serde_json::to_string(&found).unwrap();
     let back: sidc::Discovery = serde_json::from_str(&text).unwrap();
     assert_eq!(sparsest(&back), proof);

@@ -1,7 +1,7 @@
-//! The stiff integrator against reference solutions, against the explicit one, and where right sides end.
+//! The stiff integrator compared with reference solutions and with the explicit one, and where right sides end.
 //!
-//! References: the test set for IVP solvers (Mazzia, Magherini, Bari 2008), after Hairer and Wanner, "Solving Ordinary
-//! Differential Equations II", IV.10; closed forms; the explicit integrator, whose steps are kept to 1e-13.
+//! References: the test set for IVP solvers (Mazzia, Magherini, Bari 2008), after Hairer and Wanner, "Solving Ordinary Differential Equations II", IV.10;
+//! closed forms; the explicit integrator with a tolerance of 1e-13 per step.
 
 use sidc_lang::term::SignalNames;
 use sidc_system::discovery::Form;
@@ -10,7 +10,7 @@ use sidc_system::simulate::{FaultKind, Method, Options, Run};
 
 use crate::simulate::{csv, document, run};
 
-/// What runs may be off by, relative to a state and its size: the stiff integrator keeps its steps to 1e-10.
+/// Allowed error of a run relative to the size of a state; the stiff integrator's tolerance is 1e-10 per step.
 const WITHIN: f64 = 1e-9;
 
 type Equation<'a> = (&'a str, &'a [(f64, &'a str)]);
@@ -19,7 +19,7 @@ fn system(variables: &[&str], equations: &[Equation]) -> Opened {
     result::open("r.json", &document("continuous", variables, equations)).unwrap()
 }
 
-/// From a given start: what is read is there to be compared with, and for its sizes.
+/// A run from a given start. Readings serve only for comparison and for the sizes of states.
 fn by(method: Method, opened: &Opened, data: &str, start: &[f64]) -> Run {
     let state = Form::new(&opened.discovery).state;
     let options = Options {
@@ -34,7 +34,7 @@ fn stiff(opened: &Opened, data: &str, start: &[f64]) -> Run {
     by(Method::Stiff, opened, data, start)
 }
 
-/// A table whose first row is the start, and whose second is as large as states become.
+/// A table whose first row is the start, and whose second row has the largest values of the states.
 fn table(times: &[f64], names: &[&str], start: &[f64], sizes: &[f64]) -> String {
     let mut text = format!("t,{}\n", names.join(","));
     for (k, t) in times.iter().enumerate() {
@@ -45,7 +45,7 @@ fn table(times: &[f64], names: &[&str], start: &[f64], sizes: &[f64]) -> String 
     text
 }
 
-/// `rows` instants from 0 to `end`.
+/// `rows` times from 0 to `end`.
 fn grid(rows: usize, end: f64) -> Vec<f64> {
     let last = (rows - 1) as f64;
     (0..rows).map(|k| end * k as f64 / last).collect()
@@ -58,8 +58,8 @@ fn last(run: &Run, states: usize) -> Vec<f64> {
     columns.map(|(_, x)| *x.last().unwrap()).collect()
 }
 
-/// The largest distance between two runs' states, relative to each one's size. All systems here are of order one: half of the
-/// columns are rates, in which an error is multiplied by the fastest of them.
+/// The largest distance between the states of two runs, relative to the size of each. All systems here have order one, so half of the columns are rates,
+/// whose errors are multiplied by the fastest rate.
 fn distance(a: &Run, b: &Run) -> f64 {
     assert_eq!((a.fault(), b.fault()), (None, None));
     let states = a.simulated.len() / 2;
@@ -115,7 +115,7 @@ fn robertsons_reactions_are_followed_over_twelve_decades() {
         0.999_999_979_166_505,
     ];
     for (found, truth) in last(&end, 3).iter().zip(truth) {
-        // Of a and b little more is left than is allowed of a step.
+        // The remaining a and b are hardly larger than the error allowed per step.
         assert!(
             (found - truth).abs() < 1e-4 * truth,
             "{found:e}, not {truth:e}"
@@ -176,14 +176,14 @@ fn a_plants_hormones_end_where_the_test_set_says() {
             "{found}, not {truth}"
         );
     }
-    // Rows within steps are as exact as the steps' ends, and cost no steps.
+    // Rows within steps are as exact as the ends of steps, and cost no additional steps.
     let dense = stiff(&opened, &data(3001), &start);
     let explicit = by(Method::Explicit, &opened, &data(3001), &start);
     assert!(distance(&dense, &explicit) < WITHIN);
     assert!(dense.work.evaluations < 2 * sparse.work.evaluations + 3001);
 }
 
-/// ẋ = −10⁶ (x − cos t): the error of a step's end is damped at once, that of its inside is not.
+/// ẋ = −10⁶ (x − cos t): errors at the end of a step are damped at once, those inside it are not.
 #[test]
 fn rows_within_a_step_are_as_exact_as_its_end() {
     let rate = 1e6;
@@ -217,7 +217,7 @@ fn what_is_not_stiff_is_solved_as_the_explicit_method_does() {
     }
 }
 
-/// A fast servo under a relay: the input jumps every two seconds, within 10⁻⁴ s the speed has followed.
+/// A fast servo with a relay: the input jumps every two seconds, and the speed follows within 10⁻⁴ s.
 #[test]
 fn every_jump_of_an_input_is_a_new_start() {
     let opened = system(
@@ -243,7 +243,7 @@ fn every_jump_of_an_input_is_a_new_start() {
     assert!(found.work.evaluations < 12_000, "{:?}", found.work);
 }
 
-/// Thirty cells in a ring, stiff by diffusion: ẋᵢ = 10³ (xᵢ₋₁ − 2 xᵢ + xᵢ₊₁) + xᵢ − xᵢ³.
+/// Thirty cells in a ring with stiff diffusion: ẋᵢ = 10³ (xᵢ₋₁ − 2 xᵢ + xᵢ₊₁) + xᵢ − xᵢ³.
 #[test]
 fn a_system_of_thirty_states_is_followed() {
     let count = 30;
@@ -277,7 +277,7 @@ fn a_system_of_thirty_states_is_followed() {
     assert!(distance(&stiff(&opened, &data, &start), &explicit) < WITHIN);
 }
 
-/// ẋ = −1/x from 1 is √(1 − 2 t): at t = 1/2 the slope is infinite, though x is 0.
+/// ẋ = −1/x from 1 is √(1 − 2 t): at t = 1/2 x reaches 0 with infinite slope.
 #[test]
 fn a_singularity_is_found_where_it_is() {
     let opened = system(&["state x 1"], &[("dx", &[(-1.0, "1/x")])]);

@@ -1,5 +1,4 @@
-//! Matrix form and solved form against physics and against the numeric solve; multiplying out and sin² + cos² = 1 on
-//! expressions drawn at random; what is printed, as people read it.
+//! Matrix form and solved form compared with physics and with the numeric solve; expansion and sin² + cos² = 1 on random expressions; the printed text.
 
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -14,7 +13,7 @@ use sidc_system::result;
 /// Terms of a right side with their coefficients.
 pub type Sum<'a> = &'a [(&'a str, f64)];
 
-/// A result with these variables, (name, kind, order), and equations, (target, right side), as its document.
+/// A result document with these variables (name, kind, order) and equations (target, right side).
 pub fn document(
     variables: &[(&str, &str, u8)],
     time: &str,
@@ -197,7 +196,7 @@ fn the_pendulum_solved_is_the_textbook_s() {
             );
         }
     }
-    // One denominator, 1 − (m/(m + M)) cos²θ, and five terms above each: nothing is left over.
+    // A common denominator, 1 − (m/(m + M)) cos²θ, and five terms in each numerator, without a remainder.
     let cos = Expr::call(
         Func::named("cos").unwrap(),
         vec![Expr::signal(Signal::new(theta))],
@@ -325,7 +324,7 @@ fn what_is_too_long_or_has_no_solution_says_why() {
     insta::assert_snapshot!(said);
 }
 
-/// Rows that state their unknown outright are no part of a block, and nothing follows from them.
+/// Rows that state their unknown explicitly are not part of a block, and nothing is derived from them.
 #[test]
 fn uncoupled_nonlinear_systems_stay_as_they_are() {
     let lorenz: &[(&str, Sum)] = &[
@@ -364,7 +363,7 @@ const FACTORS: [&str; 12] = [
     "1/(3 + a^2)",
 ];
 
-/// A coupled system of two or three second-order equations, and a point of it.
+/// A coupled system of two or three second-order equations, and a point.
 pub fn systems() -> impl Strategy<Value = (serde_json::Value, Vec<f64>)> {
     let term = (0..FACTORS.len(), 0..FACTORS.len(), -2.0..2.0f64);
     let row = (
@@ -415,7 +414,7 @@ pub fn at<'a>(form: &'a Form, point: &'a [f64]) -> impl Fn(Signal) -> f64 + 'a {
     }
 }
 
-/// The calculus tests' expressions with more sines and cosines, sums and small powers; every value is finite.
+/// The calculus tests' expressions with more sines and cosines, sums and small powers; all values are finite.
 fn expressions() -> impl Strategy<Value = Expr> {
     let signal = |i: u16| Expr::signal(Signal::new(VarId(i)));
     let wave =
@@ -435,7 +434,7 @@ fn expressions() -> impl Strategy<Value = Expr> {
     })
 }
 
-/// Σ |weight · term|: what rounding is relative to.
+/// Σ |weight · term|, the scale of rounding errors.
 fn size(e: &Expr, at: &impl Fn(Signal) -> f64) -> f64 {
     e.terms().map(|(w, t)| (w * t.eval(at)).abs()).sum()
 }
@@ -486,7 +485,7 @@ proptest! {
         prop_assert!(short.terms().len() <= out.terms().len());
         let c = short.eval(&here);
         prop_assert!((c - b).abs() <= 1e-11 * scale.max(size(&short, &here)), "{c} and {b}");
-        // What is multiplied out stays as it is.
+        // Expanding twice changes nothing.
         prop_assert_eq!(algebra::expanded(&out), Some(out));
     }
 }

@@ -1,4 +1,4 @@
-//! docs/thresholds.md holds every number that decides, as the code has it; `SIDC_WRITE_DOCS=1 cargo test thresholds` writes it anew.
+//! docs/thresholds.md lists every number that decides, as in the code; `SIDC_WRITE_DOCS=1 cargo test thresholds` rewrites it.
 
 use std::collections::BTreeSet;
 
@@ -96,7 +96,7 @@ fn a_number_that_changes_an_answer_has_a_reason() {
     }
 }
 
-/// What a new number lacks is "not run" on the page, and what was run with another value too; a number that is gone takes its rows along.
+/// Missing studies of a new number, and studies with an old value, are "not run" on the page; rows of a deleted number must be deleted.
 #[test]
 fn the_study_names_numbers_that_exist_and_moves_them_by_all_factors() {
     let tables = parts().into_iter().flat_map(|(_, tables)| tables);

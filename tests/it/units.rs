@@ -1,4 +1,4 @@
-//! Units: the algebra is a group, texts come back as they were printed, coefficients have the units of physics.
+//! Units: they form a group, texts read back as printed, and coefficients have physical units.
 
 use proptest::prelude::*;
 use serde_json::Value;
@@ -52,7 +52,7 @@ proptest! {
         prop_assert_eq!(&a.power(p).unwrap().power(1.0 / p).unwrap(), &a);
     }
 
-    /// The unit of a coefficient times that of its term is the target's, in whatever words.
+    /// The unit of a coefficient times that of its term is the target's, however it is written.
     #[test]
     fn short_units_are_the_same_units(target in any_unit(), term in any_unit()) {
         let k = coefficient(&target, &term).unwrap();
@@ -194,7 +194,7 @@ fn coefficients_are_said_in_few_words() {
     }
 }
 
-/// Unit by term, of each equation of a result.
+/// The unit of each term in an equation of a result.
 fn units_of(document: &Value, target: &str) -> Vec<(String, String)> {
     let equations = document["equations"].as_array().unwrap();
     let equation = equations.iter().find(|e| e["target"] == target).unwrap();
@@ -322,7 +322,7 @@ fn units_in_result_documents_are_read_as_units_only() {
     }
 }
 
-/// The codes that a model gives.
+/// The codes of errors in a model.
 fn codes(text: &str) -> Vec<&'static str> {
     let mut sources = Sources::default();
     let file = sources.add("m.sid", text);
@@ -368,7 +368,7 @@ fn only_sums_that_cannot_be_are_refused() {
     ] {
         assert_eq!(codes(&format!("{base}ddx {right}\n")), [code], "{right}");
     }
-    // Without a unit anywhere, time has none either.
+    // If nothing has a unit, time has none either.
     assert_eq!(codes("state x\ndx ~ <x, exp(t), sin x, x + t>\n"), [""; 0]);
 }
 
@@ -398,7 +398,7 @@ fn hostile_units_are_harmless() {
         let found = codes(&model(&unit));
         assert!(!found.is_empty(), "{unit:.80}");
     }
-    // Large powers of terms have no unit, and no fault.
+    // Large powers of terms have no unit, which is not an error.
     let text = "state x : unit \"mm\"\ninput u : unit \"N\"\ndx ~ powers(x, u; 60) - <x^60*u^60>\n";
     assert_eq!(codes(text), [""; 0]);
     let many: Vec<String> = (0..3000).map(|i| format!("sin(x) + {i}*x + dx")).collect();

@@ -1,4 +1,4 @@
-//! Numbers inside terms that differ from run to run: one law, a value for each run, and every output with the run's own.
+//! Constants inside terms that differ from run to run: one law, a value for each run, and outputs with the run's own value.
 
 use std::fs;
 use std::path::Path;
@@ -24,7 +24,7 @@ fn identify(folder: &Path, model: &str, runs: &[String]) -> (Run, Value) {
     (run, serde_json::from_str(&found).unwrap())
 }
 
-/// How many values lie in their intervals, and the largest error relative to the value.
+/// Number of values in their intervals, and the largest relative error.
 fn compare(found: &Value, truth: &[f64]) -> (usize, f64) {
     let all = found["unknowns"].as_array().unwrap();
     assert_eq!(all.len(), truth.len(), "{all:?}");
@@ -43,7 +43,7 @@ fn feed(t: f64, phase: f64) -> f64 {
     0.5 + 0.4 * (0.7 * t + phase).sin() + 0.3 * (1.9 * t + 2.0 * phase).sin()
 }
 
-/// Uptake at most 1.5, half of it at this concentration, read with this noise.
+/// Saturating uptake with maximum 1.5 and this half-saturation concentration, read with this noise.
 fn uptake(half: f64, phase: f64, noise: f64, random: &mut Random) -> String {
     let law = |t: f64, x: &[f64; 1]| [feed(t, phase) - 1.5 * x[0] / (half + x[0])];
     table("x,u", 200, [2.0], &law, |t, x| {
@@ -115,7 +115,7 @@ fn every_output_takes_the_value_of_the_run() {
     assert!(page.contains("the mean of its runs"));
 }
 
-/// With fixed gravity; under noise, where terms chosen at fixed lengths would make up for the errors of these.
+/// With fixed gravity. Under noise, terms selected at fixed lengths would compensate for errors of the lengths.
 #[test]
 fn pendulums_of_unknown_lengths_share_their_friction() {
     let model = "unknown L in 0.1 .. 10, per run\nstate th : order 2\nddth ~ known(-9.81*sin(th)/L) + <1, th, dth, dth^2, cos(th), dth^3>\n";

@@ -1,4 +1,4 @@
-//! Numbers inside terms that nobody knows: found with the terms, told with their errors, refused where they mean nothing.
+//! Unknown constants inside terms: found with the terms, reported with their errors, rejected if they are meaningless.
 
 use std::fs;
 
@@ -10,7 +10,7 @@ use sidc_testing::random::Random;
 
 const STEP: f64 = 0.05;
 
-/// The course of a system from `start`, with the columns `t` and those of `row`.
+/// A simulated record of a system from `start`, with the columns `t` and those of `row`.
 pub fn table<const N: usize>(
     names: &str,
     rows: usize,
@@ -49,7 +49,7 @@ fn feed(t: f64) -> f64 {
     0.5 + 0.4 * (0.7 * t).sin() + 0.3 * (1.9 * t).sin()
 }
 
-/// Uptake at most 1.5, half of it at 0.8, read with this noise.
+/// Saturating uptake with maximum 1.5 and half-saturation concentration 0.8, read with this noise.
 fn uptake(noise: f64, seed: u64) -> String {
     let mut random = Random::new(seed);
     let law = |t: f64, x: &[f64; 1]| [feed(t) - 1.5 * x[0] / (0.8 + x[0])];
@@ -75,7 +75,7 @@ fn half_saturation_is_found_with_the_terms() {
     assert!(run.stdout.contains("\nK = 0.8"), "{}", run.stdout);
 }
 
-/// Of the right law no other value of K does with a smaller norm; with two exponentials that cancel it is not so, and that is said.
+/// For the right law no other value of K gives a smaller norm; with two exponentials that cancel this fails, and is reported.
 #[test]
 fn a_range_is_proved_or_another_value_is_named() {
     let (run, found) = identify(UPTAKE, &uptake(0.0, 1), &["--evidence"]);
@@ -97,7 +97,7 @@ fn a_range_is_proved_or_another_value_is_named() {
     assert!(run.stdout.contains(line), "{}", run.stdout);
 }
 
-/// A saturation among 490 terms: values that basis pursuit over the range proposes lead there.
+/// A saturation among 490 terms: basis pursuit over the range proposes values that lead to the constant.
 #[test]
 fn a_constant_of_a_large_library_is_found() {
     let push =
@@ -251,7 +251,7 @@ fn what_is_sought_is_not_measured() {
 
 #[test]
 fn a_constant_is_no_signal_that_an_experiment_could_move() {
-    // x^2/(M + x) = x - M x/(M + x): one of the three is too many, whatever is recorded.
+    // x^2/(M + x) = x - M x/(M + x): one of the three terms is redundant for any data.
     let data = fs::read_to_string(root().join("models/data/allee.csv")).unwrap();
     let model = "unknown M in 0.01 .. 100\nstate x\ndata {\n  run = \"run\"\n}\n\
                  dx ~ poly(x; 3) + <x/(M + x), x^2/(M + x)>\n";
@@ -265,7 +265,7 @@ fn a_constant_is_no_signal_that_an_experiment_could_move() {
 
 #[test]
 fn terms_that_stand_for_each_other_are_not_both_kept() {
-    // r = 5 takes two terms; any other r takes u and x as well.
+    // r = 5 needs two terms; any other r also needs u and x.
     let law = |t: f64, x: &[f64; 1]| {
         let softness = 1.0 / (1.0 + 5.0 / (1.0 + (x[0] / 1.5).powi(2)));
         [(10.0 * (feed(t) - 0.4) - 2.0 * x[0]) * softness]
@@ -279,7 +279,7 @@ fn terms_that_stand_for_each_other_are_not_both_kept() {
     assert!((value(&found, "s") - 1.5).abs() < 0.01, "{}", run.stdout);
 }
 
-/// Over forty seconds frequencies that differ by a tenth are other columns: of 0.02..50 there are hundreds.
+/// Over forty seconds, frequencies that differ by 0.1 give different columns, and 0.02..50 has hundreds of these.
 #[test]
 fn a_frequency_in_a_wide_range_is_found_under_noise() {
     let mut random = Random::new(4);
@@ -297,7 +297,7 @@ fn a_frequency_in_a_wide_range_is_found_under_noise() {
     assert!(off.abs() < 3.5 * error, "{off} {error}");
 }
 
-/// Where x is above 1, exp(-6*x) is nothing: no data show it, and no answer may pass for the law.
+/// For x above 1, exp(-6*x) vanishes, so no data show it and no answer may pass.
 #[test]
 fn a_constant_that_stands_nowhere_is_a_doubt() {
     let mut random = Random::new(5);
@@ -318,7 +318,7 @@ fn a_constant_that_stands_nowhere_is_a_doubt() {
     );
 }
 
-/// With K a little off, x^2 stands for x: the law with the likeliest K for each is the better one, or both are named.
+/// With a slightly wrong K, x^2 can replace x. With the best K for each, the law must be better, or both are named.
 #[test]
 fn no_other_term_passes_for_the_error_of_a_constant() {
     for seed in 1..=4 {

@@ -1,4 +1,4 @@
-//! The verdict under attack: a wrong law does not pass, the reason is the right one, and a right law is not doubted.
+//! Attacks on the verdict: a wrong law does not pass, the reason is right, and a right law is not doubted.
 
 use sidc::{Data, Discovery, Model, Options, ReasonCode};
 use sidc_testing::attacks::{Attack, Case, case};
@@ -14,7 +14,7 @@ fn identify(case: &Case) -> Discovery {
     model.identify(&data, &Options::default()).unwrap()
 }
 
-/// The terms and the doubts of ddx.
+/// The terms and doubts of ddx.
 fn answer(found: &Discovery) -> (Vec<String>, Vec<ReasonCode>) {
     let equation = found
         .equations()
@@ -99,7 +99,7 @@ fn a_series_of_the_law_does_not_pass_on_exact_data_and_the_law_is_named() {
     }
 }
 
-/// What is left is far beyond rounding, and is no missing term.
+/// The residual is far above rounding, but no term is missing.
 #[test]
 fn the_error_of_the_solver_that_made_the_data_is_no_misfit() {
     for seed in 0..SEEDS {

@@ -1,7 +1,6 @@
-//! Two ways to one answer: `--verify` accepts what is proved and rejects planted faults by name; the weak form agrees with the strong one.
+//! Independent ways to the same answer: `--verify` accepts what is proved and rejects planted faults by name; the weak form agrees with regression.
 //!
-//! Solvers against each other stand in `agreement`, emitted code against the evaluator in `emit`, derivatives against differences in
-//! `calculus`.
+//! `agreement` compares solvers, `emit` compares generated code with the evaluator, and `calculus` compares derivatives with differences.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -22,7 +21,7 @@ use sidc_testing::observers::interrupting;
 use sidc_testing::pendulum_regression::Random;
 use sidc_testing::program::{file, sidc};
 
-/// A model with its data and what was found in them.
+/// A model with its data and the equations found.
 struct Bench {
     program: Program,
     samples: Samples,
@@ -32,7 +31,7 @@ struct Bench {
 const MODEL: &str = "state x, y\ndx ~ powers(x, y, sin x; 2)\n";
 
 impl Bench {
-    /// dx = 2y − 3x² sin x on a few random rows of two states, so few that the 27 terms fit in many ways.
+    /// dx = 2y − 3x² sin x on a few random rows of two states, few enough that the 27 terms fit in many ways.
     fn new(model: &str, rows: usize) -> Bench {
         let program = Program::compile("bench.sid", model).unwrap();
         let mut random = Random::new(11);
@@ -67,7 +66,7 @@ impl Bench {
         self.found.equations[0].clone()
     }
 
-    /// The equation checked, on this bench's library and samples.
+    /// Verifies an equation on this bench's library and samples.
     fn check(&self, equation: &Equation) -> Verification {
         let case = Case {
             names: &self.found,
@@ -84,7 +83,7 @@ fn evidence(equation: &mut Equation) -> &mut Evidence {
     equation.evidence.as_mut().unwrap()
 }
 
-/// The equation with another witness.
+/// The equation with a changed witness.
 fn with(mut equation: Equation, change: impl FnOnce(&mut Witness)) -> Equation {
     let evidence = evidence(&mut equation);
     let mut witness = Witness::clone(evidence.witness.as_ref().unwrap());
@@ -93,7 +92,7 @@ fn with(mut equation: Equation, change: impl FnOnce(&mut Witness)) -> Equation {
     equation
 }
 
-/// It does not hold, and is said to be so in these words.
+/// Checks that the verification fails with these words.
 fn rejected(found: &Verification, words: &[&str]) {
     let said = found.fails.join("\n");
     assert!(!found.holds, "accepted: {found:?}");
@@ -140,14 +139,14 @@ fn a_dual_point_that_is_moved_proves_less() {
             "is not shown",
         ],
     );
-    // Longer, it is scaled back and proves the same, but it is not what is stated.
+    // A longer dual point is scaled back and proves the same, but it is not the stated one.
     let longer = with(bench.equation(), |w| {
         w.dual.iter_mut().for_each(|l| *l *= 2.0);
     });
     let found = bench.check(&longer);
     rejected(&found, &["max |φᵀλ| is 2.000000"]);
     assert!(found.proof.unwrap().optimal);
-    // Shorter, it bounds less.
+    // A shorter one gives a weaker bound.
     let shorter = with(bench.equation(), |w| {
         w.dual.iter_mut().for_each(|l| *l *= 0.9);
     });
@@ -156,7 +155,7 @@ fn a_dual_point_that_is_moved_proves_less() {
     rejected(&bench.check(&none), &["there is no dual point"]);
 }
 
-/// A proof in a graded norm is one in that norm only: stated with another, or with other counts, it does not hold.
+/// A proof holds only in its own graded norm: it fails if another norm or other counts are stated.
 #[test]
 fn a_proof_in_another_norm_is_rejected() {
     let graded = format!("prefer degree\n{MODEL}");
@@ -197,7 +196,7 @@ fn a_coefficient_that_is_off_is_named() {
             &[&wanted, "least squares on these rows give", "is stated"],
         );
     }
-    // The last digits are nobody's fault.
+    // Differences in the last digits are allowed.
     let mut same = bench.equation();
     same.terms[0].coefficient *= 1.0 + 4e-15;
     assert!(bench.check(&same).holds);
@@ -223,7 +222,7 @@ fn a_column_that_the_proof_did_not_see_is_missed() {
         &less.check(&bench.equation()),
         &["the library has 26 candidate terms, 27 are stated"],
     );
-    // A proof made without the one column that does it all, and a statement that lies about it.
+    // A proof made without the one column that suffices, and a statement that hides it.
     let wide = "state x, y\ndx ~ <2*y - 3*x^2*sin(x)> + powers(x, y, sin x; 2)\n";
     let wide = Bench::new(wide, 16);
     let mut wrong = bench.equation();
@@ -247,13 +246,13 @@ fn rows_and_figures_that_are_not_as_stated_are_told() {
     let mut better = bench.equation();
     evidence(&mut better).residual = 1e-3;
     rejected(&bench.check(&better), &["1.0e-3 is stated"]);
-    // Another row altogether: neither fit nor proof are of it.
+    // With a changed row, neither fit nor proof is valid.
     let mut other = Bench::new(MODEL, 16);
     other.samples.columns[0].values[3] += 0.1;
     rejected(&other.check(&bench.equation()), &["the equation leaves"]);
 }
 
-/// A tie of the whole column of prices: every term of a library of products, empty slots and all, priced by plain evaluation.
+/// Compares all prices of a library of products, including empty slots, with those from plain evaluation.
 #[test]
 fn all_columns_are_those_of_the_terms() {
     let models = [
@@ -313,7 +312,7 @@ fn a_stop_is_heard_and_leaves_a_reason() {
     assert!(stopped.is_none() && calls > 1);
 }
 
-/// A model of the gallery, compiled and measured.
+/// A gallery model, compiled and measured.
 fn measured(name: &str) -> (Program, Measured) {
     let mut sources = Sources::default();
     let model = sources.add("model.sid", file(&format!("models/{name}.sid")));
@@ -327,7 +326,7 @@ fn measured(name: &str) -> (Program, Measured) {
     (program, staged.0.unwrap())
 }
 
-/// What is found in it, verified after `change`.
+/// The equations found in it, verified after `change`.
 fn verified(name: &str, change: impl FnOnce(&mut Discovery), stop: Option<Stop>) -> Discovery {
     let (program, measured) = measured(name);
     let options = sidc::Options::default();
@@ -369,7 +368,7 @@ fn equations_not_come_to_are_doubted_for_it() {
     assert_eq!(said, "interrupted before the equation was verified");
 }
 
-/// Noisy data: trajectory, equation and readings go together, and a fault in any of them is seen.
+/// With noisy data, trajectory, equation and readings must agree, and a fault in any of them is found.
 #[test]
 fn a_trajectory_is_held_against_its_equation_and_its_readings() {
     let whole = verified("fitzhugh_nagumo", |_| {}, None);
@@ -410,7 +409,7 @@ fn equations(document: &Value) -> &[Value] {
     document["equations"].as_array().unwrap()
 }
 
-/// The models of the gallery that are found with a proof, the large library among them.
+/// Models of the gallery that are found with a proof, including the large library.
 #[test]
 fn the_gallery_is_verified() {
     let models = [
@@ -453,7 +452,7 @@ fn the_gallery_is_verified() {
         }
         assert!(proofs > 0, "{name} proves nothing");
         assert!(matches!(status, 0 | 3), "{name}");
-        // What is verified is no other answer.
+        // Verification does not change the answer.
         let (plain, unverified) = identified(name, data, &[]);
         assert_eq!(plain, status, "{name}");
         for (a, b) in equations(&document).iter().zip(equations(&unverified)) {
@@ -463,7 +462,7 @@ fn the_gallery_is_verified() {
     }
 }
 
-/// Where there is nothing to check, that is said, and is no fault of the equation.
+/// If nothing can be checked, that is reported, and is not a fault of the equation.
 #[test]
 fn what_cannot_be_verified_is_said() {
     let cases = [
@@ -506,7 +505,7 @@ fn what_cannot_be_verified_is_said() {
     }
 }
 
-/// Terms with their coefficients by target.
+/// Terms with their coefficients, by target.
 fn answer(document: &Value) -> Vec<(String, Vec<(String, f64)>)> {
     let term = |t: &Value| {
         let name = t["term"].as_str().unwrap().to_string();
@@ -519,7 +518,7 @@ fn answer(document: &Value) -> Vec<(String, Vec<(String, f64)>)> {
     equations(document).iter().map(one).collect()
 }
 
-/// Clean data: integrals against test functions and estimated derivatives are two ways to the same equations.
+/// On clean data, the weak form and regression of estimated derivatives give the same equations.
 #[test]
 fn the_weak_form_agrees_with_the_strong_one() {
     let cases = [

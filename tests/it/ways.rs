@@ -1,5 +1,5 @@
-//! Which way is taken: clean records are known as such, and where regression of measured rates is doubted the joint estimate is
-//! tried, and the way that holds is given, with both named.
+//! The choice of the method: clean records are recognised; if regression of measured rates is doubted, the joint estimate is tried; the method that passes is
+//! given, and both are named.
 
 use std::fs;
 use std::path::Path;
@@ -11,12 +11,12 @@ use sidc_testing::program::{Run, sidc};
 const STEP: f64 = 0.05;
 const ROWS: usize = 400;
 
-/// Two species, dx = x − x y/2, dy = −0.8 y + 0.4 x y.
+/// Two species: dx = x − x y/2, dy = −0.8 y + 0.4 x y.
 fn law([x, y]: [f64; 2]) -> [f64; 2] {
     [x - 0.5 * x * y, -0.8 * y + 0.4 * x * y]
 }
 
-/// States with noise `sigma`, and their rates: the first reads `bias` too much.
+/// States with noise `sigma`, and their rates, the first with an offset of `bias`.
 fn table(sigma: f64, bias: f64) -> String {
     let mut random = Random::new(11);
     let (mut z, h) = ([1.0, 1.0], STEP / 8.0);
@@ -94,7 +94,7 @@ fn a_way_that_was_asked_for_is_the_only_one() {
     assert!(!run.stderr.contains("other-way"), "{}", run.stderr);
 }
 
-/// What a library without x*y leaves of the rates is motion, and it would leave that of the trajectory too.
+/// A library without x*y leaves motion unexplained, also in a trajectory.
 #[test]
 fn a_library_that_leaves_motion_has_one_way() {
     let folder = tempfile::tempdir().unwrap();
@@ -105,7 +105,7 @@ fn a_library_that_leaves_motion_has_one_way() {
     assert!(run.stdout.contains("x*y"), "{}", run.stdout);
 }
 
-/// Half of these rates is noise, which is not the library's fault.
+/// Half of the rates is noise, which is not a fault of the library.
 #[test]
 fn rates_that_are_mostly_noise_have_two_ways() {
     let folder = tempfile::tempdir().unwrap();
@@ -115,7 +115,7 @@ fn rates_that_are_mostly_noise_have_two_ways() {
     assert!(first.iter().any(|c| c == "poor-fit"), "{first:?}");
 }
 
-/// Without noise the likelihood of the readings cannot tell a law from a close approximation; regression can.
+/// Without noise, the likelihood of the readings cannot distinguish a law from a close approximation; regression can.
 #[test]
 fn clean_records_have_one_way() {
     let folder = tempfile::tempdir().unwrap();
@@ -124,7 +124,7 @@ fn clean_records_have_one_way() {
     assert!(ways(&document).is_null());
 }
 
-/// A smoother takes the first second for noise where the other sixty are at rest; differences do not.
+/// If sixty seconds at rest follow one second of motion, a smoother takes the motion for noise; differences do not.
 #[test]
 fn exact_records_that_come_to_rest_are_clean() {
     let folder = tempfile::tempdir().unwrap();

@@ -7,7 +7,7 @@ use serde_json::Value;
 use sidc_testing::pendulum_regression::Random;
 use sidc_testing::program::sidc;
 
-/// One step of Runge and Kutta's method.
+/// One Runge–Kutta step.
 fn step<const N: usize>(f: impl Fn([f64; N]) -> [f64; N], x: [f64; N], h: f64) -> [f64; N] {
     let moved = |k: [f64; N], by: f64| std::array::from_fn(|i| x[i] + by * k[i]);
     let k1 = f(x);
@@ -17,7 +17,7 @@ fn step<const N: usize>(f: impl Fn([f64; N]) -> [f64; N], x: [f64; N], h: f64) -
     std::array::from_fn(|i| x[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
 }
 
-/// Integrates from time to time in ten steps each.
+/// Integrates from each time to the next in ten steps.
 fn motion<const N: usize>(
     f: impl Fn(usize, [f64; N]) -> [f64; N],
     start: [f64; N],
@@ -38,7 +38,7 @@ fn even(count: u32, step: f64) -> Vec<f64> {
     (0..count).map(|k| f64::from(k) * step).collect()
 }
 
-/// The model and the table through the program, and the result document.
+/// Runs the program on the model and the table. Returns the result document.
 fn identify(model: &str, table: &str, more: &[&str]) -> Value {
     let folder = tempfile::tempdir().unwrap();
     let (m, d) = (folder.path().join("m.sid"), folder.path().join("d.csv"));
@@ -61,7 +61,7 @@ fn terms(document: &Value, target: &str) -> Vec<(String, f64)> {
     terms.map(pair).collect()
 }
 
-/// Exactly these terms, each within a part of its size.
+/// Checks that the terms are exactly these, each within a relative tolerance.
 fn near(document: &Value, target: &str, wanted: &[(&str, f64)], part: f64) {
     let found = terms(document, target);
     let names = |t: &(String, f64)| t.0.clone();
@@ -75,7 +75,7 @@ fn near(document: &Value, target: &str, wanted: &[(&str, f64)], part: f64) {
 
 const WEAK: &[&str] = &["--method", "weak"];
 
-/// Cart and pendulum, coupled and implicit: positions and force alone, noise of 1 % of 0.3 m and of a radian.
+/// Cart and pendulum, coupled and implicit, from positions and force alone, with noise of 1 % of 0.3 m and of 1 rad.
 #[test]
 fn a_cart_pendulum_is_found_from_noisy_positions() {
     let mut random = Random::new(5);
@@ -135,7 +135,7 @@ fn a_cart_pendulum_is_found_from_noisy_positions() {
     );
 }
 
-/// Predators and prey with noise of 20 %: smoothing draws the coefficients of a regression towards zero.
+/// Predators and prey with noise of 20 %: smoothing biases the coefficients of a regression towards zero.
 #[test]
 fn first_order_systems_keep_their_coefficients_in_noise_that_biases_a_regression() {
     let mut random = Random::new(2);
@@ -162,7 +162,7 @@ fn first_order_systems_keep_their_coefficients_in_noise_that_biases_a_regression
     assert!(prey < 0.96, "a regression would do as well: {prey}");
 }
 
-/// The force jumps every other sample, times are uneven, and seconds of the record are missing.
+/// The force jumps every second sample, times are uneven, and seconds of the record are missing.
 #[test]
 fn jumps_of_inputs_are_crossed_and_gaps_are_not() {
     let mut random = Random::new(9);
@@ -189,11 +189,11 @@ fn jumps_of_inputs_are_crossed_and_gaps_are_not() {
         &[("x", -1.5), ("u", 3.0), ("x^3", -0.2)],
         1e-2,
     );
-    // 400 samples in two stretches have 398 steps.
+    // 400 samples in two pieces have 398 steps.
     assert_eq!(found["equations"][0]["evidence"]["rows"], 398);
 }
 
-/// Nothing is to be integrated where the target itself was measured: the plain regression answers.
+/// If the target itself was measured, nothing needs to be integrated, so plain regression answers.
 #[test]
 fn measured_targets_are_regressed() {
     let rows = (0..60).map(|k| f64::from(k) * 0.1);

@@ -1,9 +1,9 @@
-// A worker with the compiler, as the page calls it.
+// A worker with the compiler, as called by the page.
 
-/** What the compiler said against the input; any other error is a fault of the page. */
+/** The compiler rejected its input; any other error is a bug in the page. */
 export class Refusal extends Error {}
 
-/** The worker broke at its work; the next call finds a fresh one. */
+/** The worker crashed; the next call uses a new one. */
 export class Broken extends Refusal {}
 
 /** The work was cancelled. */
@@ -16,7 +16,7 @@ export class Compiler {
   #pending = new Map();
   #count = 0;
 
-  /** `module`: a promise of the compiled WebAssembly. `progress` hears what is being done. */
+  /** `module`: a promise of the compiled WebAssembly. `progress` is called with what is being done. */
   constructor(module, progress = () => {}) {
     this.#module = module;
     this.#progress = progress;
@@ -26,7 +26,7 @@ export class Compiler {
   #begin() {
     this.#worker = new Worker("worker.js", { type: "module" });
     this.#worker.onmessage = ({ data }) => this.#hear(data);
-    // A worker that cannot even be loaded answers nothing.
+    // A worker that cannot be loaded never answers.
     this.#worker.onerror = ({ message }) => this.#end(new Broken(message ?? "a part of the page was not loaded"));
     this.ready = this.#module.then((module) => this.#call("start", [module]));
     this.ready.catch(() => {});
@@ -56,14 +56,14 @@ export class Compiler {
     return this.#call(call, args);
   }
 
-  /** Ends all work at once, and says why; the next call finds a fresh worker. */
+  /** Ends all work at once with this reason; the next call uses a new worker. */
   cancel(why = "cancelled") {
     this.#worker.terminate();
     this.#end(new Cancelled(why));
     this.#begin();
   }
 
-  /** Answers all calls with a fault. */
+  /** Rejects all pending calls. */
   #end(fault) {
     for (const { reject } of this.#pending.values()) reject(fault);
     this.#pending.clear();

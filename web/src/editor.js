@@ -1,4 +1,4 @@
-// The editor of the model: CodeMirror, with the language server for all that it knows.
+// The model editor: CodeMirror with the language server.
 import { isolateHistory } from "@codemirror/commands";
 import { EditorState } from "@codemirror/state";
 import { EditorView, keymap } from "@codemirror/view";
@@ -11,7 +11,7 @@ import { serverMarks, unmarked } from "./server_marks.js";
 
 const URI = "file:///model.sid";
 
-/** Elements of the server's explanations; what else a model's text may smuggle in becomes text. */
+/** Elements in the server's explanations; all others, which could come from a model's text, become plain text. */
 const ALLOWED = new Set(["P", "PRE", "CODE", "EM", "STRONG", "UL", "OL", "LI", "BR", "SPAN", "TABLE", "THEAD", "TBODY", "TR", "TH", "TD", "HR"]);
 
 function sanitized(html) {
@@ -23,7 +23,7 @@ function sanitized(html) {
   return body.innerHTML;
 }
 
-/** The language server in a worker, as the client of CodeMirror speaks to it; `lost` is called when the worker broke. */
+/** The language server in a worker, as a transport for CodeMirror's client; `lost` is called when the worker crashed. */
 class Transport {
   #compiler;
   #lost;
@@ -41,13 +41,13 @@ class Transport {
       this.#silence(message);
       if (this.#broken || !(error instanceof Broken || error instanceof Cancelled)) return;
       this.#broken = true;
-      // Calls that were under way are answered first.
+      // Pending calls are answered first.
       setTimeout(this.#lost);
     };
     this.#compiler.call("message", message).then((answers) => this.#tell(answers), failed);
   }
 
-  /** Nothing, as the answer to a request. */
+  /** Answers a request with null. */
   #silence(message) {
     const { id, method } = JSON.parse(message);
     if (id === undefined || method === "initialize") return;
@@ -111,8 +111,8 @@ export class Editor {
   #broken;
   #restarted = false;
 
-  /** `changed` is called after each change of the text, `run` where the user asks for a run by the keyboard, `broken` after the language server
-   * broke, with whether there is a fresh one. */
+  /** `changed` is called after each change of the text, `run` when the user requests a run by keyboard, `broken` after the language
+   * server crashed, with whether there is a new one. */
   constructor(parent, compiler, { changed, run, broken }) {
     this.#compiler = compiler;
     this.#broken = broken;
@@ -148,7 +148,7 @@ export class Editor {
     this.#client.connect(new Transport(this.#compiler, () => this.#lost()));
   }
 
-  /** A server that broke is started anew once; a second time the text breaks it, most likely. */
+  /** A crashed server is restarted once; after a second crash the text is probably the cause. */
   #lost() {
     const again = !this.#restarted;
     this.#restarted = true;
@@ -165,7 +165,7 @@ export class Editor {
     return this.#view.state.doc.toString();
   }
 
-  /** Another text; undo brings the one before back. */
+  /** Replaces the text; undo restores the previous one. */
   set text(text) {
     const changes = { from: 0, to: this.#view.state.doc.length, insert: text };
     this.#view.dispatch({ changes, annotations: isolateHistory.of("full") });

@@ -1,11 +1,11 @@
-// A link that holds the model and its settings, packed into the part behind `#`, which browsers send to no server.
+// A link with the model and its settings, packed into the fragment after `#`, which browsers do not send to servers.
 
 async function through(stream, bytes) {
   const piped = new Blob([bytes]).stream().pipeThrough(stream);
   return new Uint8Array(await new Response(piped).arrayBuffer());
 }
 
-/** Longest text that is unpacked from a link, bytes. */
+/** Largest size of a text unpacked from a link, bytes. */
 const LONGEST = 1 << 20;
 
 export async function pack(state) {
@@ -15,7 +15,7 @@ export async function pack(state) {
   return `#m=${btoa(text).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "")}`;
 }
 
-/** The state in a link; undefined if there is none that can be read. */
+/** The state in a link; undefined if it has none or cannot be read. */
 export async function unpack(hash) {
   const packed = /^#m=([\w-]+)$/.exec(hash)?.[1];
   if (!packed) return undefined;

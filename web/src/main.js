@@ -1,4 +1,4 @@
-// The page: what is given, a run, what was found.
+// The page: inputs, a run, its results.
 import { Cancelled, Compiler, Refusal } from "./compiler.js";
 import { Editor } from "./editor.js";
 import { pack, unpack } from "./link.js";
@@ -7,7 +7,7 @@ import { speak, speakProgress } from "./spoken.js";
 
 const element = (id) => document.getElementById(id);
 
-/** A model that nobody named. */
+/** Name of a model without a name. */
 const OWN = "model.sid";
 const START = "state x\n\ndx ~ poly(x; 3)\n";
 
@@ -18,26 +18,26 @@ const results = new Results(runner, say);
 
 /** The data files, in the order of their runs. */
 let files = [];
-/** The example whose data are shown, as long as nobody changed them. */
+/** The example whose data are shown, until the user changes them. */
 let example = "";
-/** The example that was opened last, `{name, text}`; undefined once another model is in its place. */
+/** The example opened last, `{name, text}`; undefined once another model replaced it. */
 let opened;
 let name = OWN;
 /** The examples, `{model, data}`. */
 let examples = [];
-/** Counts what was opened: of two that are fetched at once, the later one is shown. */
+/** Counts openings, so that of two concurrent downloads the later one is shown. */
 let openings = 0;
 /** Counts the changes of model, data and settings. */
 let changes = 0;
 
-/** The compiler, unpacked and compiled while it comes in. */
+/** The compiler, decompressed and compiled while it downloads. */
 async function compiled() {
   const { body } = await fetched("sidc.wasm.gz");
   const unpacked = body.pipeThrough(new DecompressionStream("gzip"));
   return WebAssembly.compileStreaming(new Response(unpacked, { headers: { "content-type": "application/wasm" } }));
 }
 
-/** Shows words in the status line, and has them spoken; `more` is spoken alone. */
+/** Shows words in the status line and announces them; `more` is only announced. */
 function say(words, more = "") {
   element("status").textContent = words;
   speak(words + more);
@@ -50,14 +50,14 @@ function progress(words) {
 
 const editor = new Editor(element("editor"), language, { changed, run, broken });
 
-/** Model, data or a setting is another one. */
+/** The model, the data or a setting has changed. */
 function changed() {
   changes += 1;
   results.outdate();
   nameModel();
 }
 
-/** The editor's compiler broke; with a fresh one it has the headers of the data again. */
+/** The editor's compiler crashed; a new one needs the headers of the data again. */
 function broken(again) {
   if (again) {
     tell();
@@ -71,7 +71,7 @@ function broken(again) {
   }
 }
 
-/** Tells the editor the data files. */
+/** Passes the data files to the editor. */
 function tell() {
   language.call("tables", files).catch(() => {});
 }
@@ -106,7 +106,7 @@ function changeFiles(given) {
   setFiles(given);
 }
 
-/** Takes files that were chosen or dropped: a model is opened, tables take the place of those of an example. */
+/** Takes files that were chosen or dropped: a model is opened; tables replace those of an example. */
 async function take(given) {
   const models = given.filter((file) => file.name.endsWith(".sid"));
   const tables = given.filter((file) => !file.name.endsWith(".sid"));
@@ -143,7 +143,7 @@ function setName(given) {
   element("model-name").textContent = name;
 }
 
-/** Shows a model that is no example. */
+/** Shows a model that is not an example. */
 function setModel(given, text) {
   openings += 1;
   opened = undefined;
@@ -151,14 +151,14 @@ function setModel(given, text) {
   editor.text = text;
 }
 
-/** An example that was changed is the user's own, until the change is undone. */
+/** A changed example gets the name of the user's own model until the change is undone. */
 function nameModel() {
   const same = opened?.text === editor.text;
   if (opened) setName(same ? opened.name : OWN);
   element("examples").value = same && opened.name === example ? example : "";
 }
 
-/** Ends the work on a model in whose place another comes. */
+/** Ends work on a model that is about to be replaced. */
 function leave() {
   if (working()) runner.cancel("cancelled: another model was opened");
 }
@@ -169,7 +169,7 @@ async function fetched(path) {
   return answer;
 }
 
-/** Opens an example: its model unless another text is given, and its data. */
+/** Opens an example: its data and its model, or another text. */
 async function open({ model, data }, text) {
   openings += 1;
   const opening = openings;
@@ -188,13 +188,13 @@ async function open({ model, data }, text) {
 
 const working = () => element("cancel").ariaDisabled === "false";
 
-/** Which button does something. Neither is disabled: it would lose the focus of somebody who has just pressed it. */
+/** Marks which button is active. Neither is disabled, since a disabled button would lose the focus of a user who just pressed it. */
 function setWorking(now) {
   element("run").ariaDisabled = String(now);
   element("cancel").ariaDisabled = String(!now);
 }
 
-/** Does one piece of work, with its end in the status line. */
+/** Does one piece of work, and reports its end in the status line. */
 async function work(piece) {
   if (working()) return;
   setWorking(true);
@@ -249,7 +249,7 @@ element("share").addEventListener("click", async () => {
 
 const byName = (model) => examples.find((e) => e.model === model);
 
-/** Shows what a link holds. It holds no data: tables that the user chose stay. */
+/** Shows the model in a link. A link has no data, so tables that the user chose are kept. */
 async function follow({ text, holdout, example: named }) {
   setHoldOut(holdout);
   const chosen = byName(named);
@@ -259,7 +259,7 @@ async function follow({ text, holdout, example: named }) {
   if (example !== "") changeFiles([]);
 }
 
-/** Sets how much is held out, which a link may have as no choice of this page. */
+/** Sets the held-out part, which in a link may differ from the choices on this page. */
 function setHoldOut(part) {
   const select = element("holdout");
   const value = String(part);
@@ -269,7 +269,7 @@ function setHoldOut(part) {
   changed();
 }
 
-/** A link that is put into the address of the open page. */
+/** A link was entered in the address of the open page. */
 async function linkChanged() {
   const { hash } = location;
   const linked = await unpack(hash);
@@ -279,7 +279,7 @@ async function linkChanged() {
   say("the model is that of the link");
 }
 
-/** The page as its link or the first example has it. */
+/** Starts the page with its link or the first example. */
 async function begin() {
   examples = await (await fetched("gallery/index.json")).json();
   for (const { model } of examples) element("examples").add(new Option(model.slice(0, -4), model));
@@ -292,7 +292,7 @@ async function begin() {
   say("ready");
 }
 
-/** What was to be opened did not come: all is as it was, the field of examples too. */
+/** A download failed: everything stays as it was, including the field of examples. */
 function notLoaded({ message }) {
   nameModel();
   say(`this could not be loaded: ${message}`);

@@ -1,9 +1,9 @@
-// Mistakes, for those who do not see them underlined, and for those who have neither a pointer that hovers nor F8.
+// Mistakes as text, for users who cannot see underlines, and for those without a hovering pointer or F8.
 import { forEachDiagnostic, nextDiagnostic, previousDiagnostic } from "@codemirror/lint";
 import { EditorView } from "@codemirror/view";
 import { speak } from "./spoken.js";
 
-/** Milliseconds without a change after which mistakes are told: half-typed words are wrong most of the time. */
+/** Milliseconds without a change before mistakes are announced: half-typed words are usually wrong. */
 const PAUSE = 1500;
 
 let pause;
@@ -22,10 +22,10 @@ const line = (state, { from }) => state.doc.lineAt(from).number;
 
 const count = ({ length }) => ["no mistakes", "1 mistake"][length] ?? `${length} mistakes`;
 
-/** A mistake in full. */
+/** A mistake as a sentence. */
 const words = (state, mistake) => `${mistake.severity}, line ${line(state, mistake)}: ${mistake.message}`;
 
-/** How many mistakes there are, and what the one nearest to the cursor is. */
+/** The number of mistakes, and the one nearest to the cursor. */
 function summary(state) {
   const found = mistakes(state);
   if (found.length === 0) return "";
@@ -35,7 +35,7 @@ function summary(state) {
   return `${count(found)}; line ${line(state, near)}: ${near.message.split("\n", 1)[0]}`;
 }
 
-/** Tells the mistakes once nothing was typed for a while; nothing if they are as they were. */
+/** Announces the mistakes when typing pauses, if they have changed. */
 export function speakMistakes(view) {
   clearTimeout(pause);
   pause = setTimeout(() => {
@@ -49,7 +49,7 @@ export function speakMistakes(view) {
 const button = () => document.getElementById("count");
 const list = () => document.getElementById("mistakes");
 
-/** A mistake with a button for each of its fixes; `fix` is called with the place of the fix. */
+/** A mistake with a button for each of its fixes; `fix` is called with the index of the fix. */
 function item(state, mistake, fix) {
   const said = document.createElement("p");
   said.textContent = words(state, mistake);
@@ -65,20 +65,20 @@ function item(state, mistake, fix) {
   return entry;
 }
 
-/** Lists the mistakes as they are now. */
+/** Lists the current mistakes. */
 export function listMistakes(view) {
   const found = mistakes(view.state);
   button().textContent = count(found);
   button().classList.toggle("some", found.length > 0);
   const fix = (place) => (which) => {
     mistakes(view.state)[place]?.actions[which]?.apply(view);
-    // The list comes anew; until then nothing is mended twice, and the focus is on what stays.
+    // The list will be replaced. Until then no fix may be applied twice, and the focus moves to an element that stays.
     for (const old of list().querySelectorAll("button")) old.disabled = true;
     button().focus();
   };
   const fresh = list().cloneNode();
   fresh.append(...found.map((mistake, place) => item(view.state, mistake, fix(place))));
-  // Whoever reads the list keeps the place while it stays the same.
+  // An unchanged list is kept, so that a user reading it does not lose the place.
   if (!fresh.isEqualNode(list())) list().replaceChildren(...fresh.children);
 }
 
@@ -89,7 +89,7 @@ function open(shown) {
 
 button().addEventListener("click", () => open(list().hidden));
 
-/** A mistake that is tapped opens the list: a finger does not hover. */
+/** Tapping a mistake opens the list, since touch screens have no hovering pointer. */
 export const mistakeTaps = EditorView.domEventHandlers({
   pointerup({ pointerType, target }) {
     if (pointerType !== "touch" || !target.closest(".cm-lintRange-error, .cm-lintRange-warning, .cm-lintPoint")) return;
@@ -98,7 +98,7 @@ export const mistakeTaps = EditorView.domEventHandlers({
   },
 });
 
-/** Goes to a mistake and tells it. */
+/** Moves to a mistake and announces it. */
 const going = (go) => (view) => {
   const went = go(view);
   const { from, to } = view.state.selection.main;

@@ -1,11 +1,11 @@
-// What was found, in four views, one of which is shown.
+// The results in four views, one of them visible.
 import { speak } from "./spoken.js";
 
 const element = (id) => document.getElementById(id);
 
 const VIEWS = ["answer", "report", "code", "document"];
 
-/** Extensions of the files that languages are saved in. */
+/** File extensions of the languages. */
 const EXTENSIONS = { latex: "tex", rust: "rs", c: "c", "c-header": "h", "c-float": "c", "c-float-header": "h", python: "py", sympy: "py", matlab: "m", jax: "py", casadi: "py", julia: "jl", modelica: "mo", sbml: "xml", fmi: "fmu", text: "txt" };
 
 function save(name, content, kind) {
@@ -77,7 +77,7 @@ export class Results {
     this.#choose("answer", false);
   }
 
-  /** Marks what is shown as that of another model or other data. */
+  /** Marks the shown results as those of another model or other data. */
   outdate() {
     if (this.#model) document.body.classList.add("outdated");
   }
@@ -112,7 +112,7 @@ export class Results {
     if (view === "code") this.#write();
   }
 
-  /** The report, written when it is first looked at. */
+  /** The report, written when it is first viewed. */
   async #draw() {
     if (!this.#found || this.#report !== undefined) return;
     const found = this.#found;

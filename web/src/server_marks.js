@@ -1,10 +1,10 @@
-// What the language server says of the text beside its mistakes: colours by meaning, numbers of terms, what can be folded.
+// Marks from the language server: semantic colours, numbers of terms, foldable ranges.
 import { foldGutter, foldService } from "@codemirror/language";
 import { RangeSetBuilder, StateEffect, StateField } from "@codemirror/state";
 import { Decoration, EditorView, ViewPlugin, WidgetType } from "@codemirror/view";
 import { LSPPlugin } from "@codemirror/lsp-client";
 
-/** Milliseconds without a change after which the text goes to the server, and with it the questions; until then the old answers move with
+/** Milliseconds without a change before the text and the requests go to the server; until then old marks move with
  * the text. */
 const PAUSE = 50;
 
@@ -12,7 +12,7 @@ const answered = StateEffect.define();
 
 const NOTHING = { colours: Decoration.none, hints: Decoration.none, folds: [] };
 
-/** Takes all marks from a text whose server is gone. */
+/** Removes all marks from a text whose server has ended. */
 export const unmarked = answered.of(NOTHING);
 
 /** `{colours, hints, folds}`: sets of ranges. */
@@ -31,7 +31,7 @@ const marks = StateField.define({
   ],
 });
 
-/** Tokens as the protocol packs them: each place relative to the one before. */
+/** Semantic tokens in the packed form of the protocol: each position is relative to the one before. */
 function colours(doc, data, kinds) {
   const builder = new RangeSetBuilder();
   let line = 0;
@@ -46,7 +46,7 @@ function colours(doc, data, kinds) {
   return builder.finish();
 }
 
-/** A word of the server behind a statement. */
+/** An inlay hint after a statement. */
 class Hint extends WidgetType {
   constructor(label, about) {
     super();
@@ -81,12 +81,12 @@ const folding = foldService.of((state, start, end) => {
   return state.field(marks).folds.find(here) ?? null;
 });
 
-/** The gutter of folds, which looks at the text anew when the server has answered. */
+/** The fold gutter, which is redrawn when the server has answered. */
 const gutter = foldGutter({
   foldingChanged: ({ transactions }) => transactions.some(({ effects }) => effects.some((effect) => effect.is(answered))),
 });
 
-/** Asks the server after each change, and shows what it answers. */
+/** Queries the server after each change, and shows its answers. */
 export function serverMarks(client, uri) {
   const plugin = class {
     constructor(view) {
@@ -100,7 +100,7 @@ export function serverMarks(client, uri) {
 
     later() {
       clearTimeout(this.pause);
-      // A server that does not answer has no marks.
+      // Without an answer there are no marks.
       this.pause = setTimeout(() => this.ask().catch(() => {}), PAUSE);
     }
 

@@ -1,4 +1,4 @@
-// What an editor of text has anyway: the basic setup of CodeMirror, without its gutter of folds, which knows no server.
+// CodeMirror's basic setup without its fold gutter, which does not know the server.
 import { autocompletion, closeBrackets, closeBracketsKeymap, completionKeymap } from "@codemirror/autocomplete";
 import { defaultKeymap, history, historyKeymap } from "@codemirror/commands";
 import { bracketMatching, foldKeymap, indentOnInput } from "@codemirror/language";
@@ -7,7 +7,7 @@ import { highlightSelectionMatches, searchKeymap } from "@codemirror/search";
 import { EditorState } from "@codemirror/state";
 import * as view from "@codemirror/view";
 
-/** Parts a name from what it is, for those who hear both: in the order of an option, the name has place 50 and its detail 80. */
+/** Separates a name from its detail for screen readers: in an option, the name has position 50 and its detail 80. */
 const comma = {
   position: 60,
   render() {

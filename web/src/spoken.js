@@ -1,8 +1,8 @@
-// What a screen reader says without being asked: the status line, the mistakes once typing pauses.
+// Announcements for screen readers: the status line, and mistakes when typing pauses.
 
-/** Milliseconds between two words on progress, so that they do not talk over what is read. */
+/** Milliseconds between progress announcements, so that they do not interrupt other reading. */
 const PROGRESS = 5000;
-/** Milliseconds for which the region is empty, so that words are heard a second time too. */
+/** Milliseconds for which the region is empty, so that repeated words are announced again. */
 const EMPTY = 50;
 
 let told = 0;
@@ -16,7 +16,7 @@ export function speak(words) {
   next = setTimeout(() => (region.textContent = words), EMPTY);
 }
 
-/** Speaks of work under way, now and then. */
+/** Announces progress from time to time. */
 export function speakProgress(words) {
   if (Date.now() - told > PROGRESS) speak(words);
 }

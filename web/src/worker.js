@@ -1,15 +1,15 @@
-// The compiler in a worker. A page has two: one answers the editor, one runs; a run is cancelled by ending its worker.
+// The compiler in a worker. A page has two: one answers the editor, the other runs models; a run is cancelled by ending its worker.
 //
-// In: {id, call, args}. Out: {id, value} or {id, fault}, and {progress} on the way.
+// In: {id, call, args}. Out: {id, value} or {id, fault}, and {progress} in between.
 import initialize, { Data, Editor, Model, targets } from "sidc-bindings";
 
-/** First bytes of a data file, in which its header ends. */
+/** Bytes at the start of a data file that contain its header. */
 const HEADER = 1 << 16;
 
 const NO_DATA =
   "error[no-data]: there are no data\n  = help: choose a table under `Data`, drop one on the page, or take an example; a link brings a model without its data";
 
-/** A run that was cancelled took the worker along, with what an earlier run had found. */
+/** A cancelled run ended the worker together with the results of an earlier run. */
 const GONE = "what was found went when a later run was cancelled; run the model again for its report and code";
 
 let editor;
@@ -47,7 +47,7 @@ const calls = {
     return (await read(files.slice(0, 1))).draft();
   },
   async identify(model, files, holdout) {
-    // Mistakes in the model come before long reading.
+    // Mistakes in the model are reported before the data, which take long to read.
     const compiled = new Model(model.name, model.text);
     if (files.length === 0) throw NO_DATA;
     data = await read(files);
@@ -68,7 +68,7 @@ onmessage = async ({ data: { id, call, args } }) => {
   try {
     postMessage({ id, value: await calls[call](...args) });
   } catch (fault) {
-    // The compiler's faults are texts; anything else broke the worker: memory that ran out, most likely.
+    // The compiler's faults are strings; anything else crashed the worker, usually exhausted memory.
     postMessage(typeof fault === "string" ? { id, fault } : { id, fault: String(fault), broken: true });
   }
 };

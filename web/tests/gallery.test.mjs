@@ -1,4 +1,4 @@
-// Every model of the gallery gives in the page what it gives in the program: the same document, but for rounding.
+// Every model of the gallery gives the same document in the page and in the program, except for rounding.
 import assert from "node:assert/strict";
 import { execFile } from "node:child_process";
 import { mkdtempSync, readFileSync } from "node:fs";
@@ -8,14 +8,14 @@ import { after, before, describe, test } from "node:test";
 import { promisify } from "node:util";
 import { example, root, run, start } from "./page.mjs";
 
-// SIDC names the program; without it, that of `cargo test` is used.
+// SIDC is the path of the program; by default that of `cargo test` is used.
 const program = process.env.SIDC ?? join(root, "target/debug/sidc");
 const folder = mkdtempSync(join(tmpdir(), "sidc-"));
 
-/** Difference that rounding makes, of a number's size or of 1: functions like `sin` differ in the last digit between a browser and the program. */
+/** Allowed difference relative to a number's size or 1: functions like `sin` differ in the last digit between browsers and the program. */
 const SAME = 1e-9;
 
-/** Parts of a document that rounding moves further: how far, of a number's size or of 1 (Infinity: what rounding decides), and why. */
+/** Parts of a document with larger allowed differences relative to a number's size or 1 (Infinity: rounding decides), and why. */
 const LOOSER = [
   [/\.(iterations|tried)$/, Infinity, "steps until a search has settled"],
   [/\.without\b/, Infinity, "the answer without a term is no law: many supports are as good, and rounding chooses"],
@@ -29,27 +29,27 @@ const LOOSER = [
   [/\.(excitation\[\d+\]|isometry|leverage\[\d+\]|channels\[\d+\])\.|\.condition$/, 1e-6, "of states that such a search has found"],
 ];
 
-/** What a search over noisy data may make of a claim, in standard errors. */
+/** Allowed difference of coefficients and constants in noisy data, in standard errors. */
 const SAME_ERRORS = 1e-4;
 
 let site;
 before(async () => (site = await start()));
 after(() => site.stop());
 
-/** The document of the program. */
+/** The program's document. */
 async function expected(model, data) {
   const written = join(folder, `${model}.json`);
   const tables = data.map((name) => join(root, "models/data", name));
   try {
     await promisify(execFile)(program, ["identify", join(root, "models", model), ...tables, "-q", "-o", written]);
   } catch (error) {
-    // 3: an answer with doubts.
+    // Status 3: an answer with doubts.
     if (error.code !== 3) throw error;
   }
   return JSON.parse(readFileSync(written, "utf8"));
 }
 
-/** What a document claims, word for word. */
+/** The claims of a document, which must be equal. */
 function claims({ equations, failed, verdict, warnings }) {
   return {
     equations: equations.map(({ target, status, reasons, terms }) => ({
@@ -64,7 +64,7 @@ function claims({ equations, failed, verdict, warnings }) {
   };
 }
 
-/** Every place where two documents differ by more than rounding. */
+/** All differences between two documents beyond rounding. */
 function* differences(page, own, path = "") {
   const allowed = LOOSER.find(([places]) => places.test(path))?.[1] ?? SAME;
   if (allowed === Infinity) return;

@@ -1,4 +1,4 @@
-// A page of the playground in Chromium, with everything that it asked the network for.
+// A page of the playground in Chromium, with a record of all its network requests.
 import { once } from "node:events";
 import { existsSync } from "node:fs";
 import { get } from "node:http";
@@ -12,7 +12,7 @@ export const root = join(dirname(fileURLToPath(import.meta.url)), "../..");
 
 const BROWSERS = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
 
-/** Longest waits in milliseconds, for a reaction of the page and for a run: against a test that hangs, not measures. */
+/** Longest waits in milliseconds, for a reaction of the page and for a run: only a safeguard against hanging tests. */
 const REACTION = 60000;
 const RUN = 600000;
 
@@ -53,7 +53,7 @@ export async function status(page, words) {
   );
 }
 
-/** Runs what is on the page; how the run ended. */
+/** Runs the model on the page. Returns how the run ended. */
 export async function run(page) {
   await page.click("#run");
   await status(page, /^(found|no answer|cancelled|a fault)/);
@@ -83,18 +83,18 @@ export async function choose(page, files) {
   await page.setInputFiles("#files", given);
 }
 
-/** The part of a link behind the page's address. */
+/** The fragment of a link. */
 export function link(state) {
   return `#m=${deflateRawSync(JSON.stringify(state)).toString("base64url")}`;
 }
 
-/** How the server answers a path, which a browser would put right before it asks. */
+/** The server's status for a raw path, which a browser would normalise first. */
 export async function answer(site, path) {
   const [response] = await once(get(site.origin, { path, agent: false, signal: AbortSignal.timeout(REACTION) }), "response");
   return response.resume().statusCode;
 }
 
-/** The name of the file that a button saves, once there is something to save. */
+/** The name of the file that a button saves, once it is enabled. */
 export async function saved(page, button) {
   await page.waitForSelector(`${button}:enabled`);
   const [download] = await Promise.all([page.waitForEvent("download"), page.click(button)]);

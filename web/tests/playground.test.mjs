@@ -1,4 +1,4 @@
-// The page as people use it: files, mistakes, links, cancelling, keys; and what it tells the network.
+// Tests the page as users use it: files, mistakes, links, cancelling, keyboard; and its network requests.
 import assert from "node:assert/strict";
 import { createHash } from "node:crypto";
 import { readFileSync } from "node:fs";
@@ -10,7 +10,7 @@ let site;
 before(async () => (site = await start()));
 after(() => site.stop());
 
-/** A test on a page of its own, which must end without faults and without a word to the network beyond the page's own files. */
+/** A test on a new page, which must end without faults and without requests other than for the page's own files. */
 function scene(name, act, options = {}) {
   test(name, async () => {
     const page = await site.open(options);
@@ -79,7 +79,7 @@ scene("mistakes are read and mended by touch", async (page) => {
   await items.nth(1).getByRole("button", { name: "by `theta`" }).tap();
   await counts("1 mistake");
   assert.match(await page.innerText(".cm-content"), /poly\(theta, dthta, theta; 2\)/);
-  // By keyboard the same: the focus is on the button.
+  // The same by keyboard: the button has the focus.
   assert.equal(await button.evaluate((e) => e === document.activeElement), true);
   await page.keyboard.press("Tab");
   await page.keyboard.press("Enter");
@@ -114,7 +114,7 @@ scene("an editor whose compiler broke has a fresh one, once", async (page) => {
   await breaks(first);
   await write(page, "state x\ndx ~ poly(y; 2)\n");
   await status(page, /started anew/);
-  // Mistakes, and columns of the data, as before.
+  // Mistakes and columns of the data work as before.
   await page.waitForSelector(".cm-lintRange-error");
   await write(page, 'state x\ndata { x = "');
   await page.keyboard.press("Control+Space");
@@ -170,7 +170,7 @@ scene("names from files are text, wherever they are shown", async (page) => {
   assert.match(await run(page), /^found/);
   await page.click("#tab-report");
   await status(page, /written/);
-  // The editor itself puts an image beside what it shows in a text.
+  // The editor itself adds an image next to widgets in a text.
   assert.equal(await page.locator("img:not(.cm-widgetBuffer), b").count(), 0);
   assert.equal(await page.locator("#tables li").count(), 1);
 });
@@ -224,7 +224,7 @@ scene("a run whose model is left for another is cancelled", async (page) => {
   await status(page, /…$/);
   await example(page, "lorenz.sid", 1);
   await status(page, /^cancelled: another model was opened$/);
-  // What the pendulum had is still there, and says whose it is.
+  // The pendulum's results are still shown, with its name.
   assert.match(await page.textContent("#answer"), /^ddy/);
   assert.match(await page.innerText("#outdated"), /^Outdated: pendulum\.sid was run before/);
   await page.click("#tab-code");
@@ -271,12 +271,12 @@ scene("a link put into the address of the open page is followed", async (page) =
   await shows("# theirs");
   assert.equal(await page.textContent("#model-name"), "model.sid");
   assert.equal(await page.inputValue("#holdout"), "0.25");
-  // The pendulum's data are not those of the link.
+  // The pendulum's data do not belong to the link.
   assert.equal(await page.locator("#tables li").count(), 0);
   await page.focus(".cm-content");
   await page.keyboard.press("Control+Z");
   await shows("# unsaved");
-  // Tables of the user's own stay.
+  // The user's own tables are kept.
   await choose(page, [{ name: "decay.csv", text: DECAY }]);
   await put(link({ text: own, holdout: 0, example: "" }));
   await shows("# theirs");
@@ -384,7 +384,7 @@ for (const width of [390, 1280]) {
       await run(page);
       assert.equal(await page.evaluate(() => document.documentElement.scrollWidth - innerWidth), 0);
       const low = await page.evaluate(() => {
-        // Contrast of WCAG 2 of every text against the first opaque ground behind it.
+        // Contrast (WCAG 2) of every text with the first opaque background behind it.
         const channels = (colour) => colour.match(/[\d.]+/g).map(Number);
         const light = ([r, g, b]) => {
           const linear = [r, g, b].map((c) => (c / 255 <= 0.04045 ? c / 255 / 12.92 : ((c / 255 + 0.055) / 1.055) ** 2.4));
@@ -407,7 +407,7 @@ for (const width of [390, 1280]) {
           .filter(([contrast]) => contrast < 4.5);
       });
       assert.deepEqual(low, []);
-      // For the eye: `SIDC_PICTURES=1 npm test` draws the pictures of docs/ anew.
+      // For inspection: `SIDC_PICTURES=1 npm test` redraws the pictures in docs/.
       const picture = { "1280 light": "playground-desk-light", "390 dark": "playground-phone-dark" }[`${width} ${colorScheme}`];
       if (picture && process.env.SIDC_PICTURES) await page.screenshot({ path: join(root, `docs/${picture}.png`) });
     }, { viewport: { width, height: width === 390 ? 844 : 900 }, colorScheme });

@@ -1,4 +1,4 @@
-//! Why a command has no answer.
+//! Why a command failed.
 //!
 //! In: messages. Out: all of them, on standard error.
 
@@ -11,7 +11,7 @@ impl Failure {
         Failure(vec![text.into()])
     }
 
-    /// A fault of the program itself.
+    /// A bug in the program.
     pub fn internal(error: impl std::fmt::Display) -> Self {
         Failure::new(format!("error[internal]: {error}; please report this"))
     }
@@ -21,7 +21,7 @@ impl Failure {
         self.0.extend(other.0);
     }
 
-    /// The value, unless there are messages.
+    /// The value, if there are no messages.
     ///
     /// # Errors
     /// The failure itself.

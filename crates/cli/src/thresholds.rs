@@ -1,8 +1,8 @@
-//! Numbers that decide on the command line: sizes of files, the comparison of models, when progress is shown.
+//! Numbers that decide on the command line: sizes of files, the comparison of models, the display of progress.
 //!
 //! In: nothing. Out: families of numbers, and their tables for the documentation. Never computes with them.
 
-// The program reads the numbers; only the test of the documentation reads their tables.
+// The program reads the numbers; only the documentation test reads their tables.
 #![allow(dead_code)]
 
 use std::time::Duration;

@@ -1,8 +1,8 @@
-//! A server of the language server protocol for `.sid` files.
+//! A language server for `.sid` files.
 //!
-//! In: messages of an editor. Out: the answers, and what the compiler finds in each text while it is typed. `text` keeps the texts,
-//! `analysis` understands one, `features` answers one kind of question each, `server` knows the protocol. Opens no file: what lies beside
-//! a model comes through [`Folder`]. Waits for nothing and knows no clock.
+//! In: messages of an editor. Out: answers, and the compiler's diagnostics of each text as it is typed. `text` stores the texts, `analysis` interprets one,
+//! `features` answers one kind of request per file, `server` implements the protocol. Opens no file: the folder of a model is accessed through [`Folder`].
+//! Never waits and uses no clock.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 

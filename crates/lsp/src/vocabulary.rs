@@ -1,6 +1,6 @@
-//! The words of the language with their forms and meanings, as an editor offers and explains them.
+//! The words of the language with their forms and meanings, for completion and hover.
 //!
-//! Out: tables. Functions and generators are not here: their registries say all. A form is a snippet: `${1:x}` is a place to fill in.
+//! Out: tables. Functions and generators are in registries of their own. A form is a snippet: `${1:x}` is a place to fill in.
 
 use sidc_lang::ast::Keyword;
 
@@ -130,7 +130,7 @@ pub const ATTRIBUTES: [Entry; 8] = [
     entry("hidden", "hidden", "Nothing measures the state."),
 ];
 
-/// Forms with parentheses that are no functions.
+/// Forms with parentheses that are not functions.
 pub const FORMS: [Entry; 6] = [
     entry(
         "known",
@@ -164,7 +164,7 @@ pub const FORMS: [Entry; 6] = [
     ),
 ];
 
-/// What opens an entry of the data block, beside signals; and what may stand for a column.
+/// Words that open an entry of the data block, besides signals, and words that may replace a column.
 pub const DATA: [Entry; 3] = [
     entry(
         "step",
@@ -179,14 +179,14 @@ pub const DATA: [Entry; 3] = [
     entry("none", "none", "The column is not used."),
 ];
 
-/// Behind the range of an index.
+/// After the range of an index.
 pub const CYCLIC: Entry = entry(
     "cyclic",
     "cyclic",
     "The last of the range is the neighbour of the first.",
 );
 
-/// Words behind `limit` and `prefer`.
+/// Words after `limit` and `prefer`.
 pub const DEGREE: Entry = entry("degree", "degree", "The sum of the exponents of a term.");
 pub const PLAIN: Entry = entry(
     "plain",
@@ -205,7 +205,7 @@ pub fn attributes(keyword: Keyword) -> &'static [&'static str] {
     }
 }
 
-/// `poly(atoms; degree)` as a form: every part is a place to fill in.
+/// Turns a usage such as `poly(atoms; degree)` into a form with a place to fill in for every part.
 pub fn form_of_usage(usage: &str) -> String {
     let mut out = String::new();
     let mut place = 0;

@@ -1,7 +1,7 @@
-//! How long work is watched, and ended early.
+//! Observation of long work, and its early end.
 //!
-//! Whoever works tells an [`Observer`] what is being done, often and cheaply. The observer may draw a progress line, and may ask
-//! for an early end. This crate knows no clocks, no signals of the operating system and no terminals; observers do.
+//! The work tells an [`Observer`] what is being done, often and cheaply. The observer may draw a progress line, and may ask for an early end. This crate uses
+//! no clocks, signals of the operating system or terminals; observers may.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
@@ -12,19 +12,19 @@ use std::time::Duration;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Activity<'a> {
-    /// A signal is put together from the data, its derivatives estimated.
+    /// A signal is assembled from the data, and its derivatives are estimated.
     Preparing { signal: &'a str },
-    /// Work on the equation at this place in the model begins or goes on; counted from 0.
+    /// Work on the equation with this index in the model starts or continues.
     Equation { place: usize, stage: Stage },
-    /// The same for the equation at hand, from a part that does not know which one that is: a solver, the check of a proof.
+    /// As [`Activity::Equation`] for the current equation, from a part that does not know which one that is: a solver, the check of a proof.
     Stage(Stage),
-    /// Equations run along a record and have reached this time, in units of the model.
+    /// The equations are run along a record, up to this time so far, in the model's unit.
     Running { time: f64 },
-    /// What was said last goes on. Said so often that an early end takes effect soon.
+    /// The last activity continues. Sent often enough that a stop takes effect soon.
     Working,
 }
 
-/// What is done for one equation.
+/// The stage of work on one equation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stage {
     /// Its library is evaluated on the data.
@@ -33,18 +33,18 @@ pub enum Stage {
     Solving(SolverProgress),
     /// The criterion chooses among the terms proposed.
     Choosing,
-    /// How many sets of terms were fitted with their trajectory.
+    /// Trajectories are fitted together with sets of terms; the number of sets so far.
     Refitting(usize),
-    /// It is verified: columns done, and columns in all.
+    /// It is verified: columns done, and columns in total.
     Verifying(usize, usize),
-    /// Fits of so many terms are looked for or excluded; nodes of the search that are done.
+    /// Fits with this number of terms are searched for or excluded; `nodes` of the search are done.
     Proving { terms: usize, nodes: usize },
     /// Its identifiability and uncertainty are computed.
     Weighing,
 }
 
 impl Stage {
-    /// What is done, in words for people; without figures.
+    /// The stage in words for users, without figures.
     pub fn words(self) -> &'static str {
         match self {
             Stage::Evaluating => "evaluating the library",
@@ -58,22 +58,22 @@ impl Stage {
     }
 }
 
-/// How far a solver is; a figure of zero is one that it does not know.
+/// How far a solver is; zero stands for an unknown number.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SolverProgress {
-    /// Rounds of a growing working set, from 1; 0 where every column is looked at from the start.
+    /// Rounds of a growing working set, from 1; 0 if all columns are used from the start.
     pub round: usize,
     pub iteration: usize,
-    /// Relative duality gap on the columns looked at.
+    /// Relative duality gap on the working set.
     pub gap: f64,
     /// ‖Φa − y‖₂/‖y‖
     pub residual: f64,
-    /// How far the worst of all columns exceeds |φ_jᵀλ| ≤ ‖φ_j‖, when they were last priced; 0 before.
+    /// Largest excess over |φ_jᵀλ| ≤ ‖φ_j‖ among all columns when they were last priced; 0 before.
     pub violation: f64,
 }
 
 impl SolverProgress {
-    /// Told by a solver after every iteration.
+    /// A solver calls this after every iteration.
     pub fn tell(self, observer: &mut dyn Observer) -> ControlFlow<Stop> {
         observer.hear(Activity::Stage(Stage::Solving(self)))
     }
@@ -82,13 +82,13 @@ impl SolverProgress {
 /// Why work ends early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
-    /// The user asked for it.
+    /// The user interrupted it.
     Interrupted,
     /// The time limit was reached.
     TimeLimit(Duration),
 }
 
-/// Is told what is being done, and may end it.
+/// Hears what is being done, and may end it.
 ///
 /// A closure is an observer:
 ///
@@ -105,10 +105,10 @@ pub enum Stop {
 /// assert_eq!(signals, 1);
 /// ```
 pub trait Observer {
-    /// `Break` asks the work to end with what there is.
+    /// `Break` asks the work to end with what it has so far.
     fn hear(&mut self, activity: Activity) -> ControlFlow<Stop>;
 
-    /// Whether work that has nothing new to tell may go on.
+    /// Whether to continue; for work without news.
     fn go_on(&mut self) -> bool {
         self.hear(Activity::Working).is_continue()
     }
@@ -123,7 +123,7 @@ where
     }
 }
 
-/// Hears nothing and ends nothing.
+/// Ignores all activities and never ends the work.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Unwatched;
 
@@ -133,7 +133,7 @@ impl Observer for Unwatched {
     }
 }
 
-/// Tells an observer of the equation at hand, and remembers a stop, so that it is not asked again.
+/// Passes activities of the current equation to an observer, and remembers a stop, so that the observer is not asked again.
 pub struct EquationObserver<'a> {
     observer: &'a mut dyn Observer,
     place: usize,
@@ -151,23 +151,23 @@ impl<'a> EquationObserver<'a> {
         }
     }
 
-    /// From here on, stages belong to the equation at this place.
+    /// From now on, stages belong to the equation with this index.
     pub fn turn_to(&mut self, place: usize) {
         self.place = place;
     }
 
-    /// Reports a stage; `Some` if the work is to stop.
+    /// Reports a stage; `Some` if the work must stop.
     pub fn at(&mut self, stage: Stage) -> Option<Stop> {
         self.hear(Activity::Stage(stage)).break_value()
     }
 
-    /// For work that belongs to this stage and does not say so itself.
+    /// For work that belongs to this stage but does not report it.
     pub fn during(&mut self, stage: Stage) -> &mut Self {
         self.stage = stage;
         self
     }
 
-    /// For work that may be ended while the rest goes on: an end that it is asked for is not remembered.
+    /// For work that may be stopped while the rest continues: its stop is not remembered.
     pub fn aside(&mut self) -> impl Observer {
         let place = self.place;
         let (observer, stop) = (&mut *self.observer, self.stop);

@@ -1,10 +1,10 @@
-//! Numbers that look random, for unit tests: the same in every run and on every machine.
+//! Pseudorandom numbers for unit tests: the same in every run and on every machine.
 
-/// Knuth's linear congruence modulo 2⁶⁴, from a seed.
+/// Knuth's linear congruential generator modulo 2⁶⁴, with a seed.
 pub struct Numbers(pub u64);
 
 impl Numbers {
-    /// In −1 … 1.
+    /// A number from −1 to 1.
     #[allow(clippy::should_implement_trait)]
     pub fn next(&mut self) -> f64 {
         self.0 = self

@@ -1,9 +1,9 @@
-"""What an unknown constant costs: prints two tables.
+"""Processor time that an unknown constant costs: prints two tables.
 
     python3 crates/studies/families/cost.py [target/release/sidc] [--draws 3] [--large]
 
-Processor time of one identification with an unknown constant over that with its true value written in its place: the random laws of table.py,
-libraries of seven or ten terms, and large libraries with one unknown. Needs Python 3.9, numpy, scipy.
+Each figure is the time of one identification with an unknown constant, divided by that with its true value in the model: for the random laws
+of table.py with libraries of seven or ten terms, and for large libraries with one unknown. Needs Python 3.9, numpy, scipy.
 """
 import argparse
 import os

@@ -2,9 +2,9 @@
 
     python3 crates/studies/families/table.py [target/release/sidc] [--draws 10] [--level 0 0.01 0.05] [--only hill]
 
-Eight families in equations of order 1 and 2, driven by an input that is linear between its samples; the constant is drawn over two decades,
-and drawn anew where a cubic of x explains the term to 3 %, since no data then show it. A law is exact with the true terms and no other.
-Needs Python 3.9, numpy, scipy.
+Eight families in equations of order 1 and 2, driven by an input that is linear between its samples. The constant is drawn from two decades.
+It is drawn again if a cubic in x explains its term to 3 %, since then no data can show it. An answer is exact if it has the true terms and
+no others. Needs Python 3.9, numpy, scipy.
 """
 import argparse
 import json
@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 from scipy.integrate import solve_ivp
 
-# Term, its value, the least x, the sign of its coefficient; in equations of order 2 a term that needs x > 0 drives x up.
+# Term, its value, lower bound of x, sign of its coefficient. In equations of order 2, a term that needs x > 0 drives x up.
 FAMILIES = {
     "Michaelis-Menten": ("x/(k + x)", lambda x, t, k: x / (k + x), 0.05, -1),
     "Hill": ("x^3/(k^3 + x^3)", lambda x, t, k: x**3 / (k**3 + x**3), 0.05, 1),

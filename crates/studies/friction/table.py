@@ -1,11 +1,11 @@
-"""How often friction is found from positions: random bodies with dry or Stribeck friction, pushed to and fro.
+"""How often friction is found from positions: random bodies with dry or Stribeck friction, pushed back and forth.
 
     python3 crates/studies/friction/table.py --sidc target/release/sidc [--systems 40] [--levels 0,0.001,0.01,0.05]
 
-Every body obeys ddx = b u - k x - c dx - F sign(dx), every second one with -S sign(dx) exp(-abs(dx)/vs) besides, vs unknown. It is
-integrated from event to event, apart from the program. Positions are read with noise (of their spread). A line for
-each level: share of exact supports, share of true coefficients in their intervals, passes with a wrong support, median seconds, and runs that
-stopped at a standstill. Needs numpy.
+Every body obeys ddx = b u - k x - c dx - F sign(dx), every second one with the additional term -S sign(dx) exp(-abs(dx)/vs), vs unknown. It
+is integrated from event to event, independently of the program. Noise of the positions is relative to their spread. A line for each level:
+share of exact supports, share of true coefficients in their intervals, passes with a wrong support, median seconds, and runs that stopped at
+a standstill. Needs numpy.
 """
 
 import argparse
@@ -41,7 +41,7 @@ def body(seed):
 
 
 def integrate(law, stribeck, force):
-    """Positions and speeds at the samples: classical Runge-Kutta between events, which are bisected; at rest while friction suffices."""
+    """Positions and speeds at the samples: classical Runge-Kutta between events found by bisection; at rest while friction suffices."""
 
     def pull(x, v, u):
         return law["x"] * x + law["dx"] * v + law["u"] * u

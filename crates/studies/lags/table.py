@@ -2,9 +2,10 @@
 
     python3 crates/studies/lags/table.py [target/release/sidc] [--draws 10] [--level 0.001 0.01 0.05] [--unnamed]
 
-Equations of order 1 and 2 with one or two nonlinear terms, driven by a command that is held between samples; between the command and the
-equation, or between the state and its sensor, stands a first-order lag of 10 to 100 ms. The model names the lag and leaves its time unknown;
-with --unnamed it does not, and what sidc proposes is counted. A law is exact with the true terms and no other. Needs Python 3.9, numpy.
+Equations of order 1 and 2 with one or two nonlinear terms, driven by a command that is held between samples. A first-order lag of 10 to 100 ms
+is between the command and the equation, or between the state and its sensor. The model has the lag with an unknown time constant; with
+--unnamed it does not, and correct proposals of sidc are counted. An answer is exact if it has the true terms and no others. Needs Python 3.9,
+numpy.
 """
 import argparse
 import functools
@@ -19,7 +20,7 @@ import numpy as np
 
 STEP = 0.01
 TIMES = np.arange(0, 20, STEP)
-# Terms of an equation of each order: written, and their values.
+# Terms of an equation of each order, with their values.
 TERMS = {
     1: {"x^2": lambda x, v: x**2, "x^3": lambda x, v: x**3, "sin(x)": lambda x, v: np.sin(x), "x*abs(x)": lambda x, v: x * abs(x)},
     2: {"x^3": lambda x, v: x**3, "x^2": lambda x, v: x**2, "sin(x)": lambda x, v: np.sin(x), "dx*abs(dx)": lambda x, v: v * abs(v),
@@ -39,7 +40,7 @@ def runge_kutta(f, z, h, steps):
 
 @functools.cache
 def draw(order, place, seed):
-    """A law and its readings without noise: lag, coefficients by term, readings, command."""
+    """A law and its noiseless readings: lag, coefficients by term, readings, command."""
     rng = np.random.default_rng([seed, order, ["input", "sensor"].index(place)])
     while True:
         tau = float(np.exp(rng.uniform(np.log(0.01), np.log(0.1))))
@@ -69,7 +70,7 @@ def draw(order, place, seed):
             continue
         states = np.array(states)
         x, v = states[:, 0], states[:, 1] if order == 2 else 0 * states[:, 0]
-        # Terms that hardly move the law, or that other terms stand in for, are drawn anew: no data show them.
+        # Laws are drawn again if a term hardly matters, or if others can replace it: no data can show such terms.
         force = np.std(law["x"] * x + gain * levels)
         library = np.column_stack([eval(t.replace("^", "**"), {"x": x, "dx": v, "sin": np.sin, "abs": abs}) * np.ones(len(x)) for t in LIBRARY[order].split(", ")])
 

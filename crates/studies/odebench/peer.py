@@ -1,10 +1,9 @@
-"""PySINDy beside docs/odebench.md: the same systems, starts, noise and libraries, as far as they hold no unknown constant.
+"""PySINDy compared with docs/odebench.md: the same systems, starts, noise and libraries, except those with unknown constants.
 
     python3 crates/studies/odebench/peer.py [--level 0 0.01 0.05] [--draws 3]
 
-Differences of order 6, and smoothed ones over 11, 31 and 61 samples, with STLSQ. Of these and of eleven thresholds those that come out best are
-taken, for each run anew, which a user could not know. Needs PySINDy 2.1, numpy,
-scipy, and sidc for the terms of the libraries (`sidc check --terms`).
+Differences of order 6, and smoothed ones over 11, 31 and 61 samples, with STLSQ. For each run the best of these and of eleven thresholds is
+taken, which a user could not know. Needs PySINDy 2.1, numpy, scipy, and sidc for the terms of the libraries (`sidc check --terms`).
 """
 import argparse
 import itertools

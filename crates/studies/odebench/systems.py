@@ -1,9 +1,9 @@
 """The 63 systems of ODEBench (d'Ascoli et al., ICLR 2024; github.com/sdascoli/odeformer, MIT): laws, constants, starts.
 
-A law is written as its terms with their coefficients. Constants that cannot be coefficients have a name; nobody tells them to the program.
+A law is a set of terms with coefficients. Constants inside terms have names; the program is not told their values.
 """
 
-# What a user would write for each class of systems. S stands for the states; the lines before the bar declare constants.
+# What a user would write for each class of systems. S stands for the states; the part before the bar declares constants.
 LIBRARIES = {
     "cubic": "| poly(S; 3)",
     "quartic": "| poly(S; 4)",

@@ -1,9 +1,9 @@
-"""Prints the table of docs/odebench.md: the 63 systems of ODEBench from their states alone.
+"""Prints the table of docs/odebench.md: the 63 systems of ODEBench, identified from their states alone.
 
     python3 crates/studies/odebench/table.py [target/release/sidc] [--level 0 0.01 0.05] [--draws 3] [--only 14 22] [--csv FILE]
 
-Each system is read 501 times in ten seconds from both of its starts. Noise is a part of each state's standard deviation. A run is exact
-where every equation has the true terms and no other. Needs Python 3.9, numpy, scipy.
+Each system is read 501 times in ten seconds from both of its starts. Noise is relative to each state's standard deviation. A run is exact
+if every equation has the true terms and no others. Needs Python 3.9, numpy, scipy.
 """
 import argparse
 import csv
@@ -24,7 +24,7 @@ FUNCTIONS = {k: getattr(np, k) for k in ("sin", "cos", "exp", "log", "abs", "sig
 
 
 def value(term, names):
-    """A term's value; terms are written as Python writes them but for the sign of powers."""
+    """A term's value. Terms are in Python syntax except for the sign of powers."""
     with np.errstate(all="ignore"):
         return eval(term.replace("^", "**"), {"__builtins__": {}}, {**FUNCTIONS, **names})
 
@@ -49,7 +49,7 @@ def model(system):
 
 
 def fingerprint(term, points):
-    """Numbers that tell a term from every other, however it is written."""
+    """Values that identify a term, however it is written."""
     values = [value(term, p) for p in points]
     return tuple(f"{float(v):.8e}" for v in values)
 
@@ -68,9 +68,9 @@ def exact(system, found):
 
 
 def within(system, found):
-    """Of the constants of an exact answer, how many are in their intervals (without noise: or right to 0.1 %), of how many.
+    """How many constants of an exact answer are in their intervals (without noise: or right to 0.1 %), and how many constants there are.
 
-    Beside a constant term, a logistic function with all its constants turned round is the same: 1/(1 + exp(z)) = 1 - 1/(1 + exp(-z)).
+    With a constant term in the library, a logistic function may have all its signs reversed: 1/(1 + exp(z)) = 1 - 1/(1 + exp(-z)).
     """
 
     def held(sign):

@@ -1,9 +1,10 @@
-"""Ten of PySINDy's own examples (notebooks 1, 2 and 3 of its documentation), by PySINDy and by sidc.Identifier on the same arrays.
+"""Ten of PySINDy's own examples (notebooks 1, 2 and 3 of its documentation), by PySINDy and sidc.Identifier on the same arrays.
 
     python crates/studies/pysindy/examples.py
 
-Libraries, thresholds, times and starts are those of its notebooks, where these give them; noise is added to the states here, because measured
-derivatives are rare. For each: seconds, terms too many and too few, the largest error of a true coefficient. Needs pip's sidc, pysindy and scipy.
+Libraries, thresholds, times and starts are those of the notebooks, if they give them. Noise is added to the states, because measured
+derivatives are rare. For each example: seconds, surplus and missing terms, the largest error of a true coefficient. Needs pip's sidc,
+pysindy and scipy.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ class Example:
 
 
 def canonical(term: str) -> tuple[str, ...]:
-    """x y^2 and y^2*x are one term."""
+    """Identifies x y^2 with y^2*x."""
     return tuple(sorted(factor for factor in term.replace("*", " ").split() if factor != "1"))
 
 
@@ -87,7 +88,7 @@ def examples() -> list[Example]:
     for r in (2.5, 2.75, 3, 3.25, 3.5, 3.75, 3.8, 3.85, 3.9, 3.95):
         x = [0.5]
         for _ in range(1000):
-            # Its notebook moves the population itself by noise.
+            # As in the notebook, noise acts on the population itself.
             x.append(float(np.clip(r * x[-1] * (1 - x[-1]) + 0.025 * random.normal(), 0.0, 1.0)))
         maps.append((r, np.array(x)[:, None]))
     pushes = np.array([[push(t)["u"]] for t in np.arange(0, 10, 0.001)])
@@ -153,7 +154,7 @@ def main() -> None:
                 try:
                     model = fit(e)
                     cells.append(judged(e, model, time.perf_counter() - begun))
-                except Exception as fault:  # noqa: BLE001 - whatever it is, it is the answer
+                except Exception as fault:  # noqa: BLE001 - any failure is a result of the comparison
                     cells.append(str(fault).splitlines()[0])
         result = model.result_
         word = "passes" if result.passes else "doubted: " + ", ".join(sorted({doubt.code for doubt in result.doubts}))

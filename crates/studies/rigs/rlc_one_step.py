@@ -1,8 +1,8 @@
-"""The saturating coil fitted from reading to reading, by hand: prints C, R, L0, s, i0 with standard errors, and what the steps leave.
+"""Fits the saturating coil by one-step predictions: prints C, R, L0, s, i0 with standard errors, and the residuals of the steps.
 
     python3 crates/studies/rigs/rlc_one_step.py rlc_nonlinear_train.csv
 
-What is left of a step comes back in no later one, so the errors of this record are not those of sensors: they stay in the circuit. Needs Python 3.9,
+The residual of a step is not undone in later ones, so the errors of this record are not those of sensors: they stay in the circuit. Needs Python 3.9,
 numpy, scipy.
 """
 import sys
@@ -16,7 +16,7 @@ v, i, e = rows["V_C"], rows["I_L"], rows["V_IN"]
 
 
 def follow(p):
-    """Both states a sample later, the input held, by two steps of Runge and Kutta."""
+    """Both states one sample later, with the input held, by two Runge-Kutta steps."""
     c, r, l0, s, i0 = p * [270e-9, 3, 50e-6, 5, 5]
     rates = lambda v, i: (i / c, (e[:-1] - v - r * i) / (l0 * (0.9 * (0.5 - np.arctan(s * (abs(i) - i0)) / np.pi) + 0.1)))
     x, y, h = v[:-1], i[:-1], STEP / 2

@@ -2,8 +2,8 @@
 
     python3 crates/studies/rigs/table.py FOLDER [target/release/sidc] [--only NAME]
 
-FOLDER holds the measured sets, which are not part of this project (docs/rigs.md says where they come from). Each model beside this
-file is identified on three quarters of its record, or on a whole one beside another, and judged on what was held out. Needs Python 3.8.
+FOLDER holds the measured sets, which are not part of this project (docs/rigs.md says where they come from). Each model in this folder is
+identified on three quarters of its record, or on one whole record of two, and tested on what was held out. Needs Python 3.8.
 """
 import json
 import os
@@ -13,7 +13,7 @@ import tempfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-# Model, data, what is held out, how far ahead (in the unit of the record's time).
+# Model, data, held-out part, horizon (in the time unit of the record).
 RIGS = [
     ("pendulum_single", "pendulum_single_free_train.csv", "25%", "0.5"),
     ("pendulum_double", "pendulum_double_free_train.csv", "25%", "0.2"),

@@ -1,8 +1,8 @@
-"""How a fleet grows: one law for N records by Dask with two workers, in groups of eight, by the joint method.
+"""How the time of a fleet grows: one law from N records by Dask with two workers, in groups of eight, by the joint method.
 
     python crates/studies/scale/fleet.py [--most 1000]
 
-Each record is a pendulum with friction, 400 noisy readings of its angle. Needs pip's sidc with dask and scipy.
+Each record has 400 noisy readings of the angle of a pendulum with friction. Needs pip's sidc with dask and scipy.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""How a table in parts grows: time and memory of `Model.identify_parts` from 10^4 to 10^7 rows of ten columns, beside reading alone.
+"""How the cost of a table in parts grows: time and memory of `Model.identify_parts` from 10^4 to 10^7 rows of ten columns, compared with reading.
 
     python crates/studies/scale/growth.py [--most 1e7]
 
-The Lorenz system is forced along a motion of sines, so that every row is exact, and its rates have an error of 0.001. Each line is a
-process of its own. Needs pip's sidc and pyarrow.
+The Lorenz system is forced along a motion of sines, so that every row is exact, and its rates have errors of 0.001. Each line comes from a
+separate process. Needs pip's sidc and pyarrow.
 """
 
 from __future__ import annotations

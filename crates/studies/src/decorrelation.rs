@@ -1,6 +1,6 @@
-//! Four ways with columns that are nearly one column, and whether each finds a known law.
+//! Four methods for nearly equal columns, and whether each finds a known law.
 //!
-//! In: an angle, a noise, a number of draws. Out: how many draws each way got right. Prints nothing.
+//! In: an angle, a noise, a number of draws. Out: the number of draws that each method got right. Prints nothing.
 
 use sidc::pipeline::Program;
 use sidc_data::{Dataset, Samples};
@@ -20,11 +20,11 @@ ddtheta ~ <1, theta, sin(theta), theta^3, tan(theta), theta^5, sin(2*theta)> * <
         + <cos(theta), theta^2, dtheta^2, u^2, u*dtheta> * <1, dtheta, u> + <dtheta*abs(dtheta), abs(theta), u^3>
 ";
 const ROWS: usize = 400;
-/// Seconds.
+/// In seconds.
 const STEP: f64 = 0.03;
-/// Cosine above which two columns are one group.
+/// Cosine above which two columns form a group.
 const ALIKE: f64 = 0.99;
-/// Part of the largest contribution under which a coefficient counts as none.
+/// Fraction of the largest contribution below which a term is ignored.
 const NONE: f64 = 1e-3;
 const TRUTH: [&str; 3] = ["dtheta", "sin(theta)", "u"];
 
@@ -32,7 +32,7 @@ pub const WAYS: [&str; 4] = ["plain", "orthogonalised", "grouped", "chosen"];
 pub const ANGLES: [f64; 3] = [0.1, 0.3, 1.0];
 pub const NOISES: [f64; 4] = [0.0, 1e-6, 1e-4, 1e-2];
 
-/// How many draws each of the [`WAYS`] got right.
+/// The number of draws that each of the [`WAYS`] got right.
 pub fn right(angle: f64, noise: f64, draws: u64) -> Result<[usize; 4], String> {
     let program = Program::compile("decorrelation.sid", MODEL)?;
     let mut counts = [0; 4];
@@ -46,7 +46,7 @@ pub fn right(angle: f64, noise: f64, draws: u64) -> Result<[usize; 4], String> {
     Ok(counts)
 }
 
-/// Rows of a pendulum pushed by sines until it swings about `angle` far; noise relative to the acceleration's size.
+/// Rows of a pendulum that sines drive to angles of about `angle`. The noise is relative to the size of the acceleration.
 fn motion(program: &Program, angle: f64, noise: f64, seed: u64) -> Result<Samples, String> {
     let mut random = Random::new(seed);
     let phase = random.uniform(0.0, 6.0);
@@ -80,7 +80,7 @@ fn motion(program: &Program, angle: f64, noise: f64, seed: u64) -> Result<Sample
     Ok(samples)
 }
 
-/// Whether each way finds the truth.
+/// Whether each method finds the true support.
 fn ways(program: &Program, samples: &Samples, noise: f64) -> Result<[bool; 4], String> {
     let regression = program.regression("ddtheta", samples)?;
     let (phi, y) = (regression.dictionary.as_ref(), &regression.target);
@@ -103,7 +103,7 @@ fn ways(program: &Program, samples: &Samples, noise: f64) -> Result<[bool; 4], S
     let apart = solved(&orthogonalised(&columns, &groups), y, tolerance);
     let first: Vec<usize> = groups.iter().map(|g| g[0]).collect();
     let seen: Vec<Vec<f64>> = first.iter().map(|j| columns[*j].clone()).collect();
-    // Members of a group stand for each other only so far as they are alike.
+    // Members of a group can replace each other only as far as they agree.
     let loose = tolerance.max(0.02 * size);
     let members: Vec<&Vec<usize>> = solved(&seen, y, loose)
         .iter()
@@ -139,7 +139,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Columns that are alike, in the order of the library: the first of each group is its simplest.
+/// Groups of nearly equal columns in the order of the library, so that the first of each group is its simplest.
 fn groups(columns: &[Vec<f64>]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (j, column) in columns.iter().enumerate() {
@@ -190,7 +190,7 @@ fn solved(columns: &[Vec<f64>], y: &[f64], tolerance: f64) -> Vec<usize> {
         .collect()
 }
 
-/// One member of each group, those that fit best together, changed one at a time.
+/// One member of each group, chosen by exchanging one at a time until no exchange improves the fit.
 fn best_members(columns: &[Vec<f64>], y: &[f64], groups: &[&Vec<usize>]) -> Vec<usize> {
     let phi = Dense::new(y.len(), columns.concat());
     let mut best: Vec<usize> = groups.iter().map(|g| g[0]).collect();

@@ -1,6 +1,6 @@
-//! Studies of `sidc`: what the documents' figures come from, one program each in `src/bin`.
+//! Studies of `sidc`, one program per study in `src/bin`: they produce the figures in the documentation.
 //!
-//! Here is what several programs or the tests use; each study runs what `sidc identify` runs, on records of known systems.
+//! This library holds what several programs or the tests use. Each study runs what `sidc identify` runs, on records of known systems.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 

@@ -1,8 +1,8 @@
-//! Shares of exact recoveries against rows as an SVG, readable on light and dark ground, without any library.
+//! Shares of exact recoveries against rows as an SVG, readable on light and dark backgrounds, without a plotting library.
 
 use std::fmt::Write;
 
-/// One curve: its name, and for each number of rows the successes.
+/// One curve: its name, and the number of successes for each number of rows.
 pub struct Curve {
     pub name: &'static str,
     /// Class in the style sheet: `a` or `b`.
@@ -17,14 +17,14 @@ const RIGHT: f64 = 610.0;
 const TOP: f64 = 56.0;
 const BOTTOM: f64 = 330.0;
 
-/// Colours and strokes for light and dark ground.
+/// Colours and strokes for light and dark backgrounds.
 pub const STYLE: &str = "text{font:14px 'Helvetica Neue',Arial,sans-serif;fill:#24292f}.small{font-size:12px}.axis{stroke:#57606a}\
 .grid{stroke:#d0d7de;stroke-width:.7}.line{fill:none;stroke-width:2.2}.band{opacity:.16}\
 .a{stroke:#0969da}.b{stroke:#bc4c00}.fa{fill:#0969da}.fb{fill:#bc4c00}\
 @media(prefers-color-scheme:dark){text{fill:#e6edf3}.axis{stroke:#9198a1}.grid{stroke:#3d444d}\
 .a{stroke:#58a6ff}.b{stroke:#f0883e}.fa{fill:#58a6ff}.fb{fill:#f0883e}}";
 
-/// The picture for `draws` trials at each number of rows; rows on a logarithmic axis, bands of 95 % confidence.
+/// The picture for `draws` trials at each number of rows, with a logarithmic axis of rows and 95 % confidence bands.
 pub fn svg(title: &str, rows: &[usize], draws: usize, curves: &[Curve]) -> String {
     let (first, last) = (rows.iter().min(), rows.iter().max());
     let low = first.map_or(1.0, |r| *r as f64).ln();
@@ -104,7 +104,7 @@ pub fn svg(title: &str, rows: &[usize], draws: usize, curves: &[Curve]) -> Strin
     out + "</svg>\n"
 }
 
-/// Points as the attribute of a polygon or polyline.
+/// Points as an attribute of a polygon or polyline.
 pub fn listed(points: &[(f64, f64)]) -> String {
     let each: Vec<String> = points
         .iter()
@@ -113,7 +113,7 @@ pub fn listed(points: &[(f64, f64)]) -> String {
     each.join(" ")
 }
 
-/// An end of Wilson's interval of 95 % for k successes in n trials.
+/// An end of Wilson's 95 % interval for k successes in n trials.
 pub fn wilson(k: usize, n: usize, upper: bool) -> f64 {
     let (n, z) = (n as f64, 1.96);
     let p = k as f64 / n;

@@ -1,10 +1,10 @@
 //! Numbers that decide: thresholds of verdicts, budgets of searches, parameters of methods.
 //!
-//! A family of them is one record, declared by [`family!`] with a name, a value, a unit and a source for each. The tables in
-//! docs/thresholds.md are written from these records. Knows nobody.
+//! Related numbers form a family: one record, declared by [`family!`] with a name, a value, a unit and a source for each. The tables in docs/thresholds.md
+//! are generated from these records. Depends on no other crate.
 //!
-//! A build with `RUSTFLAGS="--cfg vary_thresholds"` reads a factor for one number from the environment (`vary.rs`): the study
-//! `thresholds` measures with it how far each number can be moved before an answer changes. Every other build has constants.
+//! A build with `RUSTFLAGS="--cfg vary_thresholds"` reads a factor for one number from the environment (`vary.rs`), with which the study `thresholds`
+//! measures how far each number can be changed before an answer changes. In all other builds the numbers are constants.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
@@ -20,7 +20,7 @@ pub struct Threshold {
     pub value: String,
     /// Empty for a pure number.
     pub unit: &'static str,
-    /// A publication, a derivation, or the command of an experiment that repeats it.
+    /// A publication, a derivation, or the command of an experiment that reproduces it.
     pub source: &'static str,
 }
 
@@ -81,7 +81,7 @@ macro_rules! family {
         });
 
         impl $family {
-            /// Every number of the family, for the documentation.
+            /// The numbers of the family, for the documentation.
             $vis fn table() -> $crate::Table {
                 $crate::Table {
                     name: stringify!($family),
@@ -106,7 +106,7 @@ pub fn sentence(lines: &[&str]) -> String {
 }
 
 impl Table {
-    /// The family as a section of Markdown. `moved` says what the study of thresholds found of a number.
+    /// The family as a section of Markdown. `moved` gives the study's result for a number.
     pub fn markdown(&self, moved: impl Fn(&Threshold) -> String) -> String {
         let mut out = format!(
             "## {}\n\n{}\n\n| name | value | unit | decides | × ½, × 2 | source |\n|---|---|---|---|---|---|\n",

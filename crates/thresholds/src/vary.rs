@@ -1,11 +1,11 @@
-//! Numbers under study: in a build with `--cfg vary_thresholds` the environment moves one of them by a factor.
+//! Variable thresholds: in a build with `--cfg vary_thresholds` the environment changes one number by a factor.
 //!
-//! In: `SIDC_VARY="Misfit.residual=0.5"`, the number and its factor, and `SIDC_VARY_READ`, a file. Out: the number moved, and the
-//! names of the families that a run reads, a line each in that file. No other build has this module.
+//! In: `SIDC_VARY="Misfit.residual=0.5"`, the number and its factor, and `SIDC_VARY_READ`, a file. Out: the changed number, and in that file the names of the
+//! families that a run reads, one per line. No other build has this module.
 
 use std::io::Write;
 
-/// A number, or a list of numbers, that a factor moves.
+/// A number, or a list of numbers, that can be multiplied by a factor.
 pub trait Varied {
     fn times(self, factor: f64) -> Self;
 }
@@ -16,7 +16,7 @@ impl Varied for f64 {
     }
 }
 
-/// Rounded, and different by at least one where the type has such a number: twice 0 is 1, half of 1 is 0.
+/// Rounds, and changes the number by at least one if the type allows: twice 0 is 1, half of 1 is 0.
 macro_rules! whole {
     ($($type:ty),+) => {$(
         impl Varied for $type {
@@ -67,7 +67,7 @@ impl<A: Varied, B: Varied> Varied for (A, B) {
 /// The value of a number in this run.
 ///
 /// # Panics
-/// If the factor in `SIDC_VARY` is none: a study of nothing would be believed.
+/// If the factor in `SIDC_VARY` is invalid, since the study would be believed although nothing changed.
 #[allow(clippy::expect_used)]
 pub fn varied<T: Varied>(family: &str, name: &str, value: T) -> T {
     let Ok(order) = std::env::var("SIDC_VARY") else {
@@ -83,7 +83,7 @@ pub fn varied<T: Varied>(family: &str, name: &str, value: T) -> T {
     }
 }
 
-/// Notes that a run reads this family.
+/// Records that a run reads this family.
 ///
 /// # Panics
 /// If the file of `SIDC_VARY_READ` cannot be written.

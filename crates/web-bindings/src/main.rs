@@ -1,6 +1,6 @@
-//! `sidc-web-bindings COMPILED.wasm FOLDER`: the WebAssembly of crate `sidc-web` as a module of JavaScript, `sidc.js` and `sidc_bg.wasm`.
+//! `sidc-web-bindings COMPILED.wasm FOLDER`: the WebAssembly of crate `sidc-web` as a JavaScript module, `sidc.js` and `sidc_bg.wasm`.
 //!
-//! The command `wasm-bindgen` does the same, but takes six times as long to build, and is of another version as soon as Cargo.lock moves.
+//! The command `wasm-bindgen` does the same, but takes six times as long to build, and its version no longer matches as soon as Cargo.lock changes.
 
 use std::process::ExitCode;
 

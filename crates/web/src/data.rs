@@ -1,8 +1,8 @@
-//! Data files that were dropped on the page.
+//! Data files dropped on the page.
 
 use wasm_bindgen::prelude::*;
 
-/// Records in the order in which their files were added.
+/// Records in the order in which files were added.
 #[wasm_bindgen]
 #[derive(Default)]
 pub struct Data {
@@ -16,10 +16,10 @@ impl Data {
         Data::default()
     }
 
-    /// Adds a file by its name and bytes.
+    /// Adds a file by name and content.
     ///
     /// # Errors
-    /// What is wrong with it, as the program prints it; the data are as before.
+    /// The faults of the file, as the program prints them; the data are unchanged.
     pub fn add(&mut self, name: &str, bytes: &[u8]) -> Result<(), String> {
         let more = self.inner.clone().file(name, bytes);
         self.inner = more.map_err(|e| e.to_string())?;
@@ -29,7 +29,7 @@ impl Data {
     /// A first model of the first file.
     ///
     /// # Errors
-    /// Nothing in it moves.
+    /// Nothing in it varies.
     pub fn draft(&self) -> Result<String, String> {
         self.inner.draft().map_err(|e| e.to_string())
     }

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use sidc_lsp::{Folder, Message, Response, Server, TableHeader};
 use wasm_bindgen::prelude::*;
 
-/// The data files of the page, as far as an editor needs them.
+/// The headers of the page's data files.
 struct Page(Mutex<Vec<TableHeader>>);
 
 static PAGE: Page = Page(Mutex::new(Vec::new()));
@@ -27,7 +27,7 @@ impl Folder for Page {
     }
 }
 
-/// A language server with its texts.
+/// A language server with its open texts.
 #[wasm_bindgen]
 pub struct Editor {
     server: Server<'static>,
@@ -48,16 +48,16 @@ impl Editor {
         PAGE.headers().clear();
     }
 
-    /// A data file by its name and its first bytes, with all of its header.
+    /// Adds a data file by its name and a beginning that contains the whole header.
     pub fn table(&mut self, file: String, beginning: &[u8]) {
         let columns = sidc_data::column_names(beginning);
         PAGE.headers().push(TableHeader { file, columns });
     }
 
-    /// Answers a message; diagnostics of texts that it changed come behind.
+    /// Answers a message; diagnostics of changed texts follow.
     ///
     /// # Errors
-    /// No message of the protocol.
+    /// Not a message of the protocol.
     pub fn receive(&mut self, message: &str) -> Result<Vec<String>, String> {
         let message: Message = serde_json::from_str(message).map_err(|e| e.to_string())?;
         let mut answers = match message {

@@ -1,4 +1,4 @@
-//! From a model and data to equations, and what follows from them.
+//! From a model and data to equations and their exports.
 
 use sidc::{HoldOutRange, Options, Target};
 use wasm_bindgen::prelude::*;
@@ -6,7 +6,7 @@ use wasm_bindgen::prelude::*;
 use crate::data::Data;
 use crate::progress::Progress;
 
-/// Φ of one equation takes at most so much: a page has 4 GB at most, and shares them.
+/// Memory limit of Φ for one equation: a page has at most 4 GB in total.
 const MEMORY: u64 = 1 << 30;
 
 /// Equations with their evidence.
@@ -26,18 +26,18 @@ impl Model {
     /// Compiles a text.
     ///
     /// # Errors
-    /// What is wrong with it, as the program prints it.
+    /// The faults of the text, as the program prints them.
     #[wasm_bindgen(constructor)]
     pub fn new(name: &str, text: &str) -> Result<Model, String> {
         let inner = sidc::Model::named(name, text).map_err(|e| e.to_string())?;
         Ok(Model { inner })
     }
 
-    /// Finds the equations. `holdout`: the part of every record, from its end, that they are run on; 0 for none. `progress` is called with
-    /// words for people.
+    /// Finds the equations. The last part `holdout` of every record is held out, and the equations are run on it; 0 for none. `progress` is called with words
+    /// for users.
     ///
     /// # Errors
-    /// What is wrong with the data, as the program prints it.
+    /// The faults of the data, as the program prints them.
     pub fn identify(
         &self,
         data: &Data,
@@ -57,7 +57,7 @@ impl Model {
     }
 }
 
-/// What [`Discovery::export`] takes.
+/// The targets of [`Discovery::export`].
 #[wasm_bindgen]
 pub fn targets() -> Vec<String> {
     Target::ALL.map(|t| t.name().to_string()).to_vec()
@@ -68,7 +68,7 @@ impl Discovery {
     /// The result document.
     ///
     /// # Errors
-    /// A fault of this program.
+    /// A bug in this program.
     pub fn document(&self) -> Result<String, String> {
         self.inner.to_json().map_err(|e| e.to_string())
     }
@@ -83,15 +83,15 @@ impl Discovery {
         self.inner.passes()
     }
 
-    /// Equations, verdict and coefficients as a part of a page.
+    /// Equations, verdict and coefficients as an HTML fragment.
     pub fn html(&self) -> String {
         self.inner.html()
     }
 
-    /// The report as a page, with runs along the data that the equations were found in.
+    /// The report as an HTML page, with runs along the data that the equations were found from.
     ///
     /// # Errors
-    /// Data that lack what a run needs.
+    /// Data missing that a run needs.
     pub fn report(&self, data: &Data, progress: js_sys::Function) -> Result<String, String> {
         let mut observer = Progress::new(Vec::new(), progress);
         let page = self.inner.report(&data.inner, &mut observer);
@@ -101,7 +101,7 @@ impl Discovery {
     /// The equations in another language: a text, or a `Uint8Array` if its files are binary.
     ///
     /// # Errors
-    /// No such language, or an equation that it cannot express.
+    /// An unknown language, or an equation that it cannot express.
     pub fn export(&self, target: &str) -> Result<JsValue, String> {
         let target = Target::named(target).map_err(|e| e.to_string())?;
         match self.inner.export(target) {

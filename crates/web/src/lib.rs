@@ -1,7 +1,6 @@
-//! Crate `sidc` and its language server for the workers of a page: [`web/`](../../web/README.md) is built around it.
+//! Crate `sidc` and its language server for the workers of a page; [`web/`](../../web/README.md) is built on it.
 //!
-//! In: texts, bytes of data files. Out: documents, pages, messages of the language server. One thread, no clock; whoever
-//! wants a run to end ends its worker.
+//! In: texts, bytes of data files. Out: documents, pages, messages of the language server. One thread and no clock; a run is ended by ending its worker.
 
 mod data;
 mod editor;

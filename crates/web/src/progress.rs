@@ -1,11 +1,11 @@
-//! What is being done, in words, for a page.
+//! Progress in words, for a page.
 
 use std::ops::ControlFlow;
 
 use sidc::{Activity, Observer, Stage, Stop};
 use wasm_bindgen::JsValue;
 
-/// Tells a function of the page what is done, each time the words change. It cannot end the work: that is done by ending the worker.
+/// Calls a function of the page when the words for the current work change. It cannot end the work: the page does so by ending the worker.
 pub struct Progress {
     targets: Vec<String>,
     place: usize,
@@ -28,7 +28,7 @@ impl Progress {
         if words == self.said {
             return;
         }
-        // A page that throws hears no progress; the work does not suffer.
+        // An exception in the page's function must not affect the work.
         let _ = self.page.call1(&JsValue::NULL, &JsValue::from_str(&words));
         self.said = words;
     }

@@ -1,4 +1,4 @@
--- Starts `sidc lsp` for every model; vim.g.sidc_path names the program where it is not on the path. Works from Neovim 0.7 on.
+-- Starts `sidc lsp` for every model; vim.g.sidc_path names the program if it is not on the path. Works with Neovim 0.7 or later.
 if vim.b.did_ftplugin then return end
 vim.b.did_ftplugin = 1
 
@@ -30,7 +30,7 @@ if vim.lsp.inlay_hint and vim.lsp.inlay_hint.enable then
   vim.lsp.inlay_hint.enable(true, { bufnr = buffer })
 end
 
--- :SidcIdentify [DATA…] and :SidcCheck [DATA…] run the program on this model in a terminal below.
+-- :SidcIdentify [DATA…] and :SidcCheck [DATA…] run the program on this model in a terminal split.
 local function run(command)
   return function(args)
     vim.cmd("write")

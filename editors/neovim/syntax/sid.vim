@@ -1,4 +1,4 @@
-" Colours before the server has answered, and without it.
+" Highlighting until the server answers, or without a server.
 if exists("b:current_syntax")
   finish
 endif

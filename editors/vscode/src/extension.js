@@ -1,4 +1,4 @@
-// Starts `sidc lsp`, and runs the program on the model in the editor. The language itself is the server's.
+// Starts `sidc lsp`, and runs the program on the model in the editor. The server implements the language itself.
 const fs = require("node:fs");
 const os = require("node:os");
 const path = require("node:path");
@@ -10,7 +10,7 @@ const { tables } = require("./tables.js");
 
 let client;
 let output;
-/** One start after the other. */
+/** Starts are queued. */
 let served = Promise.resolve();
 
 async function activate(context) {
@@ -28,7 +28,7 @@ async function activate(context) {
   await served;
 }
 
-/** Starts the language server of the program that the settings name, in place of the one before. */
+/** Starts the language server with the program in the settings, replacing an earlier one. */
 async function serve() {
   const before = client;
   client = undefined;
@@ -40,7 +40,7 @@ async function serve() {
   }
   const server = { command: program(), args: ["lsp"] };
   client = new LanguageClient("sidc", "sidc language server", server, { documentSelector: [{ language: "sid" }] });
-  // What hinders it the client says itself.
+  // The client reports its own failures.
   await client.start().catch(() => {});
 }
 
@@ -48,7 +48,7 @@ function deactivate() {
   return client?.dispose();
 }
 
-/** The model in the editor, saved, and the tables that the user chooses for it. */
+/** The saved model in the editor, and the tables that the user chooses for it. */
 async function inputs() {
   const document = vscode.window.activeTextEditor?.document;
   if (document?.languageId !== "sid") {

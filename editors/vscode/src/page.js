@@ -1,10 +1,10 @@
-// A report as it is shown in a webview: in the colours of the editor, dark or light, instead of those of the desktop.
+// A report for a webview: its colours follow the editor's theme, dark or light, not that of the desktop.
 
-/** Where the report turns dark of itself. */
+/** The report's own rule for dark colours. */
 const BY_DESKTOP = /@media \(prefers-color-scheme: dark\) \{(\s*):root \{/;
 const DARK = ":root:has(> body.vscode-dark, > body.vscode-high-contrast:not(.vscode-high-contrast-light))";
 
-/** The editor's own style has a say in pages; the report's ink stands on the report's paper. */
+/** Overrides the editor's style for pages, so that the report has its own text and background colours. */
 const OWN = `
 <style>
 :root { color-scheme: light; }

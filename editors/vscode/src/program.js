@@ -1,4 +1,4 @@
-// The program `sidc`, run with progress that can be cancelled.
+// Runs the program `sidc` with cancellable progress.
 const { execFile, spawn } = require("node:child_process");
 const vscode = require("vscode");
 
@@ -17,7 +17,7 @@ function absent() {
   });
 }
 
-/** Says that the program does not start, and leads to the setting that names it. */
+/** Reports that the program does not start, and offers to open the setting with its path. */
 async function missing(why) {
   const found = why === "ENOENT" ? "was not found" : `does not start (${why})`;
   const words = `The program ${program()} ${found}. Install sidc, or name the program in the setting sidc.path.`;
@@ -27,16 +27,16 @@ async function missing(why) {
   }
 }
 
-/** What `sidc identify --verbose` says of a stage behind it: seconds, then words. */
+/** A finished stage in the output of `sidc identify --verbose`: seconds, then words. */
 const STAGE = /^ *[\d.]+ s {2}(.*)$/;
 
-/** The options of `sidc identify`: the user's, and that stages are told unless the user decided about them. */
+/** The user's options of `sidc identify`, with `--verbose` added unless the user set the verbosity. */
 function options() {
   const own = settings().get("arguments");
   return own.some((o) => ["-q", "--quiet", "-v", "--verbose"].includes(o)) ? own : ["--verbose", ...own];
 }
 
-/** Runs the program; `{code, text, cancelled}`, where `code` is the exit status, or a word if it did not start. */
+/** Runs the program. Returns `{code, text, cancelled}`; `code` is the exit status, or an error code if it did not start. */
 function run(title, args, cwd) {
   const shown = { location: vscode.ProgressLocation.Notification, title, cancellable: true };
   return vscode.window.withProgress(shown, (progress, token) =>
@@ -56,7 +56,7 @@ function run(title, args, cwd) {
       const end = (code) => resolve({ code, text: said + line + answer, cancelled: token.isCancellationRequested });
       child.on("error", (error) => end(error.code ?? error.message));
       child.on("close", end);
-      // The program ends its work and prints what it has.
+      // On an interrupt, the program ends its work and prints what it has.
       token.onCancellationRequested(() => child.kill("SIGINT"));
     }),
   );

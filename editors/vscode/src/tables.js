@@ -1,18 +1,18 @@
-// The tables that a model is run on: the user picks among those beside it, or points at others.
+// The tables that a model is run on: the user picks some from the model's folder, or opens others.
 //
-// VS Code's own dialog takes only one file where the window and the files are on different machines.
+// VS Code's own dialog accepts only one file if the window and the files are on different machines.
 const fs = require("node:fs");
 const path = require("node:path");
 const vscode = require("vscode");
 
-/** As the language server looks for columns: beside the model, and in its folder `data`. */
+/** Where the language server looks for columns: the model's folder, and its subfolder `data`. */
 const FOLDERS = ["", "data"];
 const EXTENSIONS = ["csv", "tsv", "txt", "dat"];
 
-/** Paths chosen last for a model, by its path. */
+/** The paths last chosen for each model. */
 const chosen = new Map();
 
-/** The paths of one table or more, or `undefined` if the user turned away. */
+/** The paths of at least one table, or `undefined` if the user cancelled. */
 async function tables(model) {
   const found = beside(model);
   const last = chosen.get(model) ?? likely(model, found);

@@ -1,4 +1,4 @@
-// The packaged extension in Visual Studio Code, used as people do. CODE_SERVER names the program `code-server`; README.md says where it comes from.
+// Tests the packaged extension in Visual Studio Code as a user would. CODE_SERVER is the path of `code-server`; README.md says where to get it.
 import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
@@ -45,7 +45,7 @@ describe("in Visual Studio Code", { skip: process.env.CODE_SERVER ? false : "COD
     await code.until(async () => (await page.locator(".squiggly-error").count()) === 3, "three errors");
     for (const [line, column, fix] of [[2, 26, "replace `unti`"], [5, 33, "replace `dthta`"], [8, 39, "insert `*`"]]) {
       await code.go(line, column);
-      // While the diagnostics of the last change are on their way, VS Code offers nothing.
+      // VS Code offers no fixes while the diagnostics of the last change are pending.
       await code.until(async () => {
         await page.keyboard.press("Control+.");
         await page.locator(".action-widget .monaco-list-row", { hasText: fix }).waitFor({ timeout: 2000 });
@@ -115,7 +115,7 @@ describe("in Visual Studio Code", { skip: process.env.CODE_SERVER ? false : "COD
     assert.ok(first.ratio > 7 && second.ratio > 7, JSON.stringify([first, second]));
   });
 
-  /** For the eye: `SIDC_PICTURES=1` draws the picture of docs/ anew. */
+  /** For inspection: `SIDC_PICTURES=1` redraws the picture in docs/. */
   async function picture() {
     await code.page.mouse.move(1000, 5);
     await code.page.waitForTimeout(1000);

@@ -1,5 +1,5 @@
-// The TextMate grammar against the compiler's own tokens: in every model of the gallery each word has the colour that `sidc lsp` gives it.
-// SIDC names the program; without it, target/debug/sidc and the path are tried.
+// Compares the TextMate grammar with the compiler's tokens: every word in the gallery has the colour that `sidc lsp` gives it. SIDC is the path of the
+// program; by default target/debug/sidc and PATH are tried.
 const test = require("node:test");
 const assert = require("node:assert/strict");
 const fs = require("node:fs");
@@ -12,7 +12,7 @@ const root = path.join(__dirname, "../../..");
 const built = path.join(root, "target/debug/sidc");
 const program = process.env.SIDC ?? (fs.existsSync(built) ? built : "sidc");
 
-/** The kind of a scope, in the words of the protocol. */
+/** Token types of the protocol by TextMate scope. */
 const KINDS = [
   ["comment", "comment"],
   ["string", "string"],
@@ -26,7 +26,7 @@ const KINDS = [
   ["support.type.property-name", "property"],
   ["variable", "name"],
 ];
-/** Kinds of the protocol that a grammar without declarations cannot tell apart. */
+/** Token types that a grammar without declarations cannot distinguish. */
 const NAMES = { variable: "name", parameter: "name", namespace: "name" };
 
 async function grammar() {
@@ -45,7 +45,7 @@ async function grammar() {
   return registry.loadGrammar("source.sid");
 }
 
-/** `line:character` → kind, for every token of a text that has one. */
+/** `line:character` → token type, for every token of a text that has one. */
 function coloured(grammar, text) {
   const kinds = new Map();
   let stack = textmate.INITIAL;
@@ -61,7 +61,7 @@ function coloured(grammar, text) {
   return kinds;
 }
 
-/** A server, asked for one thing at a time. */
+/** A server that answers one request at a time. */
 function server() {
   const child = spawn(program, ["lsp"], { stdio: ["pipe", "pipe", "inherit"] });
   let buffer = Buffer.alloc(0);
@@ -115,7 +115,7 @@ test("words have the colours that the compiler gives them", async () => {
       start = data[i] ? data[i + 1] : start + data[i + 1];
       line += data[i];
       const wanted = NAMES[types[data[i + 3]]] ?? types[data[i + 3]];
-      // Brackets and commas have no colour of their own.
+      // The grammar does not highlight brackets and commas.
       if (wanted === "operator" && /[(){},;]/.test(lines[line][start])) continue;
       words += 1;
       const found = kinds.get(`${line}:${start}`);

@@ -1,4 +1,4 @@
-// Visual Studio Code as code-server serves it, in Chromium, with the packaged extension in it.
+// Visual Studio Code, served by code-server in Chromium, with the packaged extension.
 import { execFileSync, spawn } from "node:child_process";
 import { cpSync, existsSync, mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -11,10 +11,10 @@ const built = join(root, "target/debug/sidc");
 const program = process.env.SIDC ?? (existsSync(built) ? built : "sidc");
 
 const BROWSERS = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
-/** Longest wait in milliseconds: against a test that hangs, not a measure. */
+/** Longest wait in milliseconds: only a safeguard against hanging tests. */
 const PATIENCE = 20000;
 
-/** Starts the server and opens a folder with these models of the gallery and their tables. */
+/** Starts the server and opens a folder with these gallery models and their tables. */
 export async function start(models) {
   const { chromium } = await import("playwright-core");
   const folder = mkdtempSync(join(tmpdir(), "sidc-vscode-"));
@@ -55,7 +55,7 @@ export async function start(models) {
   });
 }
 
-/** What is done in a window, by keys where there are keys. */
+/** Actions in a window, by keyboard if possible. */
 function workbench(page) {
   const typed = async (words) => {
     await page.locator(".quick-input-widget input").first().waitFor();
@@ -71,7 +71,7 @@ function workbench(page) {
       await self.until(() => found.isVisible(), `${words} in ${selector}`);
     },
     async open(name) {
-      // A window that has just opened hears no keys at first, and then does not know the files.
+      // A new window first ignores keys, and then does not yet know the files.
       await self.until(async () => {
         await page.keyboard.press("Escape");
         await page.keyboard.press("Control+P");
@@ -93,7 +93,7 @@ function workbench(page) {
       await page.keyboard.press("Enter");
       await self.sees(".statusbar-item", `Ln ${line}, Col ${column}`);
     },
-    /** Text of the editor that is shown, without blank characters that do not break. */
+    /** Text of the visible editor, with non-breaking spaces replaced. */
     async text() {
       const lines = await page.locator(".editor-group-container.active .view-line").evaluateAll((all) =>
         all
@@ -109,7 +109,7 @@ function workbench(page) {
       await row(/\.csv/).waitFor();
       await page.keyboard.press("Enter");
     },
-    /** Waits until the output of the extension matches, and gives it. */
+    /** Waits until the output of the extension matches, and returns it. */
     async output(words) {
       const shown = () => page.locator(".output-view .view-lines").innerText().then((t) => t.replaceAll("\u00a0", " "));
       await self.until(async () => words.test(await shown()), `the output ${words}`);

@@ -12,7 +12,7 @@ impl Extension for Sid {
         Sid
     }
 
-    /// The program that the settings name (`lsp.sidc.binary.path`), or the one on the path.
+    /// The program in the settings (`lsp.sidc.binary.path`), or the one on the path.
     fn language_server_command(
         &mut self,
         id: &LanguageServerId,

@@ -1,4 +1,4 @@
-//! Simulated experiments: motions of known laws, read by sensors with noise.
+//! Simulated experiments: motions of known laws, read by noisy sensors.
 
 use sidc_testing::integrate::{grid, integrate};
 use sidc_testing::pendulum_regression::Random;
@@ -20,7 +20,7 @@ pub fn motion<const N: usize>(
     states
 }
 
-/// Angles of the pendulum ddx = −9.81 sin x − 0.1 dx.
+/// The angle of a pendulum with ddx = −9.81 sin x − 0.1 dx.
 pub fn swing(start: f64, step: f64, rows: usize) -> Vec<f64> {
     let rate = |_: f64, z: &[f64; 2]| [z[1], -9.81 * z[0].sin() - 0.1 * z[1]];
     let [x, _] = motion(rate, [start, 0.0], step, rows);
@@ -33,7 +33,7 @@ pub fn read(x: &[f64], sigma: f64, seed: u64) -> Vec<f64> {
     x.iter().map(|x| x + sigma * random.normal()).collect()
 }
 
-/// Levels between −1 and 1, each held for `hold` samples.
+/// Random levels between −1 and 1, each held for `hold` samples.
 pub fn levels(rows: usize, hold: usize, seed: u64) -> Vec<f64> {
     let mut random = Random::new(seed);
     let levels: Vec<f64> = (0..=rows / hold)
@@ -42,12 +42,12 @@ pub fn levels(rows: usize, hold: usize, seed: u64) -> Vec<f64> {
     (0..rows).map(|k| levels[k / hold]).collect()
 }
 
-/// Normal numbers.
+/// Standard normal numbers.
 pub fn normal(rows: usize, seed: u64) -> Vec<f64> {
     read(&vec![0.0; rows], 1.0, seed)
 }
 
-/// Columns against time, as CSV with all digits.
+/// Columns over time, as CSV with all digits.
 pub fn record(step: f64, columns: &[(&'static str, &[f64])]) -> String {
     let names: Vec<&str> = std::iter::once("t")
         .chain(columns.iter().map(|c| c.0))

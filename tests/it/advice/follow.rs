@@ -1,4 +1,4 @@
-//! A case as it is given to the program, and the same after advice was followed.
+//! A case for the program, and the case after its advice was followed.
 //!
 //! In: a model, records, options, a reason with its advice. Out: what the program says before and after.
 
@@ -6,14 +6,14 @@ use serde_json::Value;
 use sidc_system::discovery::{Change, Reason, ReasonCode};
 use sidc_testing::program::sidc_in;
 
-/// What is given to `sidc identify`.
+/// The input of `sidc identify`.
 #[derive(Clone)]
 pub struct Case {
     pub model: String,
     pub tables: Vec<String>,
-    /// A record that is not used.
+    /// A record that is only held out.
     pub held_out: Option<String>,
-    /// Each with its value: `--samples 30`.
+    /// Options with their values, such as `--samples 30`.
     pub options: Vec<String>,
 }
 
@@ -34,7 +34,7 @@ impl Case {
         }
     }
 
-    /// The same with other records.
+    /// The case with other records.
     pub fn recorded(&self, tables: Vec<String>) -> Case {
         Case {
             tables,
@@ -42,7 +42,7 @@ impl Case {
         }
     }
 
-    /// The same with a line of the model written otherwise.
+    /// The case with a part of the model replaced.
     pub fn rewritten(&self, from: &str, to: &str) -> Case {
         assert!(self.model.contains(from), "{from} in {}", self.model);
         Case {
@@ -80,7 +80,7 @@ impl Case {
         }
     }
 
-    /// The same after a change that the program proposes.
+    /// The case after a change proposed by the program.
     fn changed(&self, change: &Change) -> Case {
         let mut case = self.clone();
         match change {
@@ -103,7 +103,7 @@ fn option_name(option: &str) -> &str {
     option.split([' ', '=']).next().unwrap_or_default()
 }
 
-/// The model with a line in place of the statement of the same subject, or behind all others.
+/// Replaces the statement with the same subject by a line, or appends the line.
 fn with_line(model: &str, line: &str) -> String {
     let same = |l: &&str| subject(l) == subject(line);
     let resembling = model.lines().find(same);
@@ -113,12 +113,12 @@ fn with_line(model: &str, line: &str) -> String {
     }
 }
 
-/// What a statement is about: `ddx` of `ddx ~ …`, `state x` of `state x : order 2`.
+/// The subject of a statement: `ddx` of `ddx ~ …`, `state x` of `state x : order 2`.
 fn subject(line: &str) -> &str {
     line.split(['~', ':', '{']).next().unwrap_or(line).trim()
 }
 
-/// What the program answers.
+/// The program's answer.
 struct Answer {
     passes: bool,
     reasons: Vec<Reason>,
@@ -130,19 +130,19 @@ impl Answer {
     }
 }
 
-/// What a reason makes of a case.
+/// How a reason changes a case.
 type Following = dyn Fn(&Case, &Reason) -> Case;
 
-/// A case with a doubt, and how its advice is followed.
+/// A case with a doubt, and how to follow its advice.
 pub struct Scenario {
     case: Case,
     follow: Box<Following>,
-    /// Whether nothing else is doubted in the end.
+    /// Whether the equation passes in the end.
     passes: bool,
 }
 
 impl Scenario {
-    /// The change that the advice has at hand is made.
+    /// The advice proposes a change, which is made.
     pub fn change(case: Case) -> Scenario {
         Scenario::words(case, |case, reason| {
             let remedy = reason.remedy.as_ref();
@@ -151,7 +151,7 @@ impl Scenario {
         })
     }
 
-    /// The advice is in words.
+    /// The advice is in words, which `follow` puts into practice.
     pub fn words(case: Case, follow: impl Fn(&Case, &Reason) -> Case + 'static) -> Scenario {
         Scenario {
             case,
@@ -160,7 +160,7 @@ impl Scenario {
         }
     }
 
-    /// Something else is wrong as well.
+    /// Another doubt remains.
     pub fn doubted(self) -> Scenario {
         Scenario {
             passes: false,
@@ -169,7 +169,7 @@ impl Scenario {
     }
 }
 
-/// Follows the advice of a doubt, which then has to be gone.
+/// Follows the advice of a doubt, and checks that the doubt is gone.
 pub fn follow(code: &ReasonCode, words: &str, scenario: &Scenario) {
     let before = scenario.case.run();
     let reason = before.reason(code);
@@ -180,7 +180,7 @@ pub fn follow(code: &ReasonCode, words: &str, scenario: &Scenario) {
     assert_eq!(after.passes, scenario.passes, "{:#?}", after.reasons);
 }
 
-/// The number behind these words of the advice: 30 of `record 30 readings or more`.
+/// The number after these words in the advice, such as 30 in `record 30 readings or more`.
 pub fn figure(reason: &Reason, words: &str) -> f64 {
     let behind = reason.advice().split(words).nth(1);
     let number = behind.and_then(|b| {

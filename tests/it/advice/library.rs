@@ -7,7 +7,7 @@ use sidc_testing::records::joined;
 use super::experiment::{motion, read, record, swing};
 use super::follow::{Case, Scenario};
 
-/// Two coupled carts with a constraint of their own.
+/// Two coupled carts with a different constraint.
 fn carts(constraint: &str) -> Case {
     let text = file("models/two_carts.sid");
     let free = text.lines().filter(|l| !l.starts_with("constrain"));
@@ -16,7 +16,7 @@ fn carts(constraint: &str) -> Case {
     Case::new(&model, file("models/data/two_carts.csv"))
 }
 
-/// The constraint is left out.
+/// The constraint is removed.
 fn without(constraint: &'static str, case: Case) -> Scenario {
     Scenario::words(case, move |case, _| case.rewritten(constraint, ""))
 }
@@ -31,7 +31,7 @@ pub fn constraint_strained() -> Scenario {
     without(value, carts(value))
 }
 
-/// The equation of y is not found, because it does not move.
+/// The equation of y cannot be found, because y is constant.
 pub fn constraint_broken() -> Scenario {
     let tie = "constrain coef(dx, x) = coef(dy, y)";
     let model = format!("state x, y\ndx ~ poly(x; 2)\ndy ~ <x, y>\n{tie}\n");
@@ -41,7 +41,7 @@ pub fn constraint_broken() -> Scenario {
     without(tie, Case::new(&model, table)).doubted()
 }
 
-/// A series of a sine, of which the data do not show the last term.
+/// A Taylor series of a sine, with a last term that the data do not show.
 pub fn better_without() -> Scenario {
     let rate = |_: f64, z: &[f64; 2]| [z[1], -6.8 * z[0].sin() - 0.24 * z[1]];
     let [x, _] = motion(rate, [0.26, 0.0], 0.03, 600);
@@ -54,7 +54,7 @@ pub fn beyond_library() -> Scenario {
     Scenario::change(Case::new(&lacking.model, lacking.runs[0].csv()))
 }
 
-/// A sum of four states stays as it is; the libraries of three of them say the same.
+/// The sum of four states is conserved, so the libraries of three of them contain the same functions.
 pub fn dependent_states() -> Scenario {
     let rate = |_: f64, z: &[f64; 4]| {
         let (new, ill, well) = (0.28 * z[0] * z[2], 0.47 * z[1], 0.3 * z[2]);
@@ -69,7 +69,7 @@ pub fn dependent_states() -> Scenario {
     })
 }
 
-/// Two records of dx = sin x, read with some noise, and four powers.
+/// Two noisy records of dx = sin x, and a cubic library.
 fn sine(sigma: f64) -> Case {
     let one = |start: f64, seed: u64| {
         let [x] = motion(|_, x: &[f64; 1]| [x[0].sin()], [start], 0.02, 300);
@@ -93,7 +93,7 @@ pub fn no_trajectory() -> Scenario {
     Scenario::change(Case::new(model, record(0.02, &[("x", &x)])))
 }
 
-/// Van der Pol's oscillator without what limits it.
+/// A van der Pol oscillator without the term that limits it.
 pub fn poor_fit() -> Scenario {
     let rate = |_: f64, z: &[f64; 2]| [z[1], (1.0 - z[0] * z[0]) * z[1] - z[0]];
     let [x, _] = motion(rate, [1.0, 0.0], 0.05, 400);
@@ -101,12 +101,12 @@ pub fn poor_fit() -> Scenario {
     Scenario::change(Case::new(model, record(0.05, &[("x", &x)])))
 }
 
-/// A body on a spring whose input is declared and in no library.
+/// A mass on a spring, with an input that is declared but in no library.
 pub fn forgotten_input() -> Scenario {
     pushed("state x : order 2\ninput u : linear\nddx ~ <x, dx, x^3>\n")
 }
 
-/// The same with a column for the input that no line of the model reads.
+/// The same, with a column for the input that the model does not read.
 pub fn unread_input() -> Scenario {
     pushed("state x : order 2\nddx ~ <x, dx, x^3>\n")
 }
@@ -119,7 +119,7 @@ fn pushed(model: &str) -> Scenario {
     Scenario::change(Case::new(model, record(0.05, &[("x", &x), ("u", &u)])))
 }
 
-/// A pendulum on a cart, without the accelerations by which the two act on each other.
+/// A pendulum on a cart, without the accelerations that couple the two.
 pub fn coupled_bodies() -> Scenario {
     let rate = |t: f64, z: &[f64; 4]| {
         let [_, dx, q, dq] = *z;
@@ -162,7 +162,7 @@ pub fn coupled_bodies() -> Scenario {
     Scenario::change(Case::new(&model, table))
 }
 
-/// A pendulum that falls until soft stops throw it back.
+/// An inverted pendulum between soft stops.
 pub fn run_leaves_data() -> Scenario {
     let rate = |_: f64, z: &[f64; 2]| {
         let stop = (z[0].abs() - 1.0).max(0.0) * z[0].signum();
@@ -178,7 +178,7 @@ pub fn run_leaves_data() -> Scenario {
     })
 }
 
-/// Two bodies of which the first is pushed by a force that neither library has.
+/// Two bodies, the first of which is pushed by a force that neither library has.
 pub fn same_relation() -> Scenario {
     let own = "<x, y, dx, dy, x^2, y^2>";
     let model =

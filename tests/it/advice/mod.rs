@@ -1,6 +1,6 @@
-//! Advice is checked by following it: for each kind of doubt a case in which it appears, what is done about it, and that it is gone.
+//! Checks advice by following it: for each kind of doubt, a case with that doubt is changed as advised, and the doubt must be gone.
 //!
-//! A change of the model or of the command is made as it stands. Advice in words is followed by the case, with the figure it gives.
+//! Proposed changes of the model or the command are made literally. Advice in words is followed by code of the case, with the figure that it gives.
 
 mod experiment;
 mod follow;
@@ -13,10 +13,10 @@ use sidc_system::discovery::ReasonCode;
 
 use follow::follow;
 
-/// Declares a test for each code: its name, where the case is, and words that the advice contains.
+/// Declares a test for each code: its name, the scenario, and words that the advice contains.
 macro_rules! followed {
     ($($code:ident: $group:ident::$test:ident, $words:literal;)+) => {
-        /// Codes whose advice is followed.
+        /// Codes with advice that is followed.
         const FOLLOWED: &[ReasonCode] = &[$(ReasonCode::$code),+];
 
         $(#[test]
@@ -89,7 +89,7 @@ fn an_input_that_only_the_data_have() {
     follow(&ReasonCode::PoorFit, words, &library::unread_input());
 }
 
-/// Codes whose advice no case can follow, with the reason. What they advise is tested where they are made.
+/// Codes with advice that no case can follow, and why. Other tests cover what they advise.
 const NOT_FOLLOWED: &[(ReasonCode, &str)] = &[
     (ReasonCode::Interrupted, "a user ends the search"),
     (ReasonCode::NotVerified, "a claim of the program is wrong"),
@@ -108,7 +108,7 @@ fn the_advice_of_every_code_is_followed() {
     }
 }
 
-/// What cannot be followed says at least whose turn it is.
+/// Advice that cannot be followed must at least say what to do.
 #[test]
 fn advice_that_no_case_follows_says_what_to_do() {
     let wanted = [

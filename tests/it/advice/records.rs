@@ -1,4 +1,4 @@
-//! Advice on the records: how much, and of which motion.
+//! Advice on the records: how long, and of which motion.
 
 use sidc_testing::records::bounces;
 
@@ -7,12 +7,12 @@ use super::follow::{Case, Scenario, figure};
 
 const PENDULUM: &str = "state x : order 2\nddx ~ <sin x, cos x, 1> + poly(dx; 2)\n";
 
-/// A swing read with noise, as a table.
+/// A noisy pendulum swing, as a table.
 fn swung(start: f64, step: f64, rows: usize, sigma: f64) -> String {
     record(step, &[("x", &read(&swing(start, step, rows), sigma, 1))])
 }
 
-/// Thousand units with a motion of some hundred-thousandths: x and 1 are hardly two columns.
+/// Values near 1000 that vary by some hundred-thousandths, so that the columns x and 1 are nearly equal.
 pub fn dependent_support() -> Scenario {
     let table = |size: f64| {
         let decay: Vec<f64> = (0..200)
@@ -41,7 +41,7 @@ pub fn no_motion() -> Scenario {
     })
 }
 
-/// Small swings of a spring that hardens do not show that it does.
+/// Small swings do not show that the spring hardens.
 pub fn not_carried_over() -> Scenario {
     let swing = |start: f64, rows: usize, seed: u64| {
         let rate = |_: f64, z: &[f64; 2]| [z[1], -4.0 * z[0] - z[0].powi(3) - 0.05 * z[1]];
@@ -58,8 +58,7 @@ pub fn not_carried_over() -> Scenario {
     })
 }
 
-/// One of three chaotic states, read roughly.
-/// Dry friction: `sign(dx)` has no slope at its jump.
+/// Dry friction: `sign(dx)` has no derivative at its jump.
 pub fn not_settled() -> Scenario {
     let push = levels(500, 12, 1);
     let mut z = [0.0, 0.0];
@@ -93,7 +92,7 @@ pub fn not_sparse() -> Scenario {
     })
 }
 
-/// A steady oscillation under one sine, and then any push.
+/// A steady oscillation under one sine, then arbitrary excitation.
 pub fn relation() -> Scenario {
     let step = 0.03;
     let read = |x: &[f64], u: &[f64]| record(step, &[("x", &read(x, 0.002, 1)), ("u", u)]);
@@ -112,14 +111,14 @@ pub fn relation() -> Scenario {
     Scenario::words(case, move |case, _| case.recorded(vec![excited.clone()]))
 }
 
-/// A ball between its impacts.
+/// A bouncing ball; the law holds between its impacts.
 pub fn rows_missed() -> Scenario {
     let model = "state y : order 2\nddy ~ poly(y, dy; 2)\n";
     let table = record(0.01, &[("y", &bounces(401, 0.01))]);
     Scenario::change(Case::new(model, table))
 }
 
-/// A swing too small to tell the sine from the angle, and one as large as the advice wants it.
+/// A swing too small to distinguish the sine from the angle, and one as large as advised.
 pub fn tie() -> Scenario {
     let model = "state x : order 2\nddx ~ <sin x, x, x^3, cos x, 1> + poly(dx; 2)\n";
     let case = Case::new(model, swung(0.02, 0.02, 800, 2e-4));
@@ -147,7 +146,7 @@ pub fn uncertain_coefficient() -> Scenario {
     })
 }
 
-/// A swing on a spring of this stiffness.
+/// An oscillation on a spring of this stiffness.
 fn sprung(stiffness: f64, seed: u64) -> String {
     let rate = move |_: f64, z: &[f64; 2]| [z[1], -stiffness * z[0] - 0.2 * z[1]];
     let [x, _] = motion(rate, [1.0, 0.0], 0.05, 200);
@@ -171,7 +170,7 @@ pub fn runs_differ() -> Scenario {
     Scenario::change(case.recorded(vec![sprung(4.0, 1), sprung(4.4, 2)]))
 }
 
-/// A friction that saturates, where it does and where it does not.
+/// Saturating friction, with or without speeds at which it saturates.
 fn slowed(start: f64) -> String {
     let rate = |_: f64, z: &[f64; 1]| [-2.4 * (z[0] / 0.8).tanh()];
     let [x] = motion(rate, [start], 0.02, 200);
@@ -204,7 +203,7 @@ pub fn missing_state() -> Scenario {
 
 pub fn unidentifiable() -> Scenario {
     let step = 0.05;
-    // Changes between samples, so that it is held over each of them.
+    // The level changes between samples, so that it is constant over each of them.
     let level = |t: f64| {
         if ((t / 2.5 + 0.01).floor() as i64) % 2 == 0 {
             1.0

@@ -5,7 +5,7 @@ use sidc_testing::program::file;
 use super::experiment::{motion, normal, record};
 use super::follow::{Case, Scenario};
 
-/// The solver is left to the program.
+/// Leaves the choice of the solver to the program.
 fn without_solver(case: Case) -> Scenario {
     Scenario::words(case, |case, _| {
         let mut case = case.clone();
@@ -20,7 +20,7 @@ pub fn heuristic_solver() -> Scenario {
     without_solver(case.option("--solver stlsq"))
 }
 
-/// As many numbers as `stlsq` takes at once, and some more.
+/// A few more numbers than `stlsq` accepts.
 pub fn solver_refused() -> Scenario {
     let u = normal(1000, 1);
     let dx: Vec<f64> = u.iter().map(|u| 2.0 * u).collect();
@@ -34,7 +34,7 @@ pub fn solver_refused() -> Scenario {
     without_solver(case)
 }
 
-/// A term that acts on few rows only, and too few of them drawn.
+/// A term that acts on few rows, with too few rows drawn.
 pub fn held_out() -> Scenario {
     let (x, z) = (normal(2000, 1), normal(2000, 2));
     let rate = |(x, z): (&f64, &f64)| 2.0 * x - z + 2.0 * (x - 1.5).max(0.0);

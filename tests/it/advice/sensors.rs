@@ -1,11 +1,11 @@
-//! Advice on sensors: their noise, zero, time and outliers.
+//! Advice on sensors: noise, offset, delay, outliers.
 
 use sidc_testing::records::{contradicting_rows, difference_equation};
 
 use super::experiment::{levels, motion, normal, read, record};
 use super::follow::{Case, Scenario};
 
-/// In discrete time noise of a sensor stands on both sides.
+/// In discrete time, the noise of a sensor is on both sides of the equation.
 pub fn coloured_residuals() -> Scenario {
     let model = "state y\ninput u\nnext y ~ <y, lag(y, 1), u>\n";
     let case = Case::new(model, difference_equation(0.01, 0.03));
@@ -34,13 +34,13 @@ pub fn input_delay() -> Scenario {
     Scenario::change(Case::new(model, late_command()))
 }
 
-/// The same, sought where it is not.
+/// The same, with a range that does not contain the delay.
 pub fn delay_range() -> Scenario {
     let model = "state x : order 2\ninput u : hold, delay in 0..0.1\nddx ~ poly(x, dx; 2) + u\n";
     Scenario::change(Case::new(model, late_command()))
 }
 
-/// Three samples of 0.05 s late.
+/// The record of a command that acts three samples of 0.05 s late.
 fn late_command() -> String {
     const STEP: f64 = 0.05;
     let u: Vec<f64> = levels(300, 6, 9).iter().map(|u| 1.5 * u).collect();
@@ -56,7 +56,7 @@ fn late_command() -> String {
     record(STEP, &[("x", &read(&x, 0.005, 4)), ("u", &u)])
 }
 
-/// Gusts that last ten samples, first unknown, then measured.
+/// Gusts correlated over ten samples, first unknown, then measured.
 pub fn disturbed() -> Scenario {
     const STEP: f64 = 0.05;
     let fresh = normal(1500, 11);
@@ -90,7 +90,7 @@ pub fn outliers() -> Scenario {
     Scenario::change(Case::new(model, record(0.05, &[("x", &x)])))
 }
 
-/// A rate that reads a tenth too much.
+/// A rate sensor with an offset of 0.1.
 pub fn rate_disagrees() -> Scenario {
     let rate = |_: f64, z: &[f64; 2]| [z[1], -8.0 * z[0].sin() - 0.3 * z[1]];
     let [x, dx] = motion(rate, [2.2, 0.4], 0.02, 700);
@@ -99,7 +99,7 @@ pub fn rate_disagrees() -> Scenario {
     Scenario::change(Case::new(model, record(0.02, &[("x", &x), ("dx", &dx)])))
 }
 
-/// A fast oscillation with three samples a period, and the same with an accelerometer.
+/// A fast oscillation with three samples per period, without and with an accelerometer.
 pub fn rough_derivative() -> Scenario {
     let rate = |_: f64, z: &[f64; 2]| [z[1], -100.0 * z[0] - 0.2 * z[1]];
     let [x, dx] = motion(rate, [1.0, 0.0], 0.2, 120);
@@ -111,7 +111,7 @@ pub fn rough_derivative() -> Scenario {
     Scenario::words(case, move |case, _| case.recorded(vec![measured.clone()]))
 }
 
-/// A pendulum whose sensor reads a fifth too much.
+/// A pendulum whose sensor has an offset of 0.2.
 pub fn sensor_offset() -> Scenario {
     let rate = |_: f64, z: &[f64; 2]| {
         [

@@ -1,20 +1,20 @@
-//! Which files of a crate import which: read from `use` trees and paths, whole files with their test modules.
+//! Which files of a crate import which, read from `use` trees and paths in whole files, including test modules.
 //!
-//! In: the folder of a crate's sources. Out: for each file the files it imports. Re-exports lead to the file that has the item; a
-//! file that only re-exports (`pub use`) imports nothing by that. Looks at text, not at what a macro writes.
+//! In: the folder of a crate's sources. Out: for each file the files it imports. Re-exports lead to the file that defines the item, and are not imports of
+//! the file that re-exports. Reads only the text, not what macros generate.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Files by their path below `src`, each with the files that it imports.
+/// Files by their path below `src`, with the files that each imports.
 pub type Imports = BTreeMap<String, BTreeSet<String>>;
 
 /// One file as a module.
 struct Module {
     file: String,
     text: String,
-    /// Names that this module takes from modules below or beside it: name → path of segments.
+    /// Names re-exported from other modules: name → path segments.
     reexports: BTreeMap<String, Vec<String>>,
 }
 
@@ -53,7 +53,7 @@ fn in_a_name(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
 }
 
-/// The paths of a use tree: `a::{b, c::d as e}` is a::b and a::c::d.
+/// The paths in a use tree: `a::{b, c::d as e}` gives a::b and a::c::d.
 fn paths_of_tree(tree: &str) -> Vec<Vec<String>> {
     let tree = tree.trim();
     let segments = |text: &str| -> Vec<String> {
@@ -84,7 +84,7 @@ fn paths_of_tree(tree: &str) -> Vec<Vec<String>> {
     below.map(|path| [head.clone(), path].concat()).collect()
 }
 
-/// Use trees: whether it is a re-export, and its paths.
+/// Use trees: whether each is a re-export, and its paths.
 fn uses(text: &str) -> Vec<(bool, Vec<Vec<String>>)> {
     let mut found = Vec::new();
     for (i, _) in text.match_indices("use ") {
@@ -99,7 +99,7 @@ fn uses(text: &str) -> Vec<(bool, Vec<Vec<String>>)> {
     found
 }
 
-/// Paths in code that begin so, as segments: `super::a::b(…)` is super, a, b.
+/// Paths in code that start with `first`, as segments: `super::a::b(…)` gives super, a, b.
 fn inline_paths(text: &str, first: &str) -> Vec<Vec<String>> {
     let mark = format!("{first}::");
     let mut found = Vec::new();
@@ -116,7 +116,7 @@ fn inline_paths(text: &str, first: &str) -> Vec<Vec<String>> {
     found
 }
 
-/// Splits a file at its inline test modules: code of the file's own level, and code one level deeper.
+/// Splits a file at its inline test modules into its own code and the code one level deeper.
 fn levels(text: &str) -> (String, String) {
     let (mut own, mut inner, mut inside) = (String::new(), String::new(), false);
     for line in text.lines() {
@@ -164,7 +164,7 @@ impl Crate {
         Crate { modules }
     }
 
-    /// The module that a path leads to, seen from a module; `None` if it leads out of the crate.
+    /// The module that a path leads to from another module; `None` if it is outside the crate.
     fn target(&self, from: &[String], path: &[String], depth: usize) -> Option<Vec<String>> {
         let mut at = from.to_vec();
         let mut rest = path;
@@ -244,7 +244,7 @@ impl Crate {
     }
 }
 
-/// Code without its use declarations, whose paths are read as trees.
+/// Code without its use declarations, which are parsed as trees.
 fn without_uses(text: &str) -> String {
     let mut out = String::new();
     let mut inside = false;
@@ -261,12 +261,12 @@ fn without_uses(text: &str) -> String {
     out
 }
 
-/// The files that every file of a crate imports.
+/// The files that each file of a crate imports.
 pub fn imports(src: &Path) -> Imports {
     Crate::read(src).imports()
 }
 
-/// Sets of files each of which imports all others of its set, directly or through them; by name, in order.
+/// Sets of files that import each other, directly or indirectly, in order of their names.
 pub fn circles(imports: &Imports) -> Vec<Vec<String>> {
     let reach = |from: &String| -> BTreeSet<String> {
         let (mut seen, mut next) = (BTreeSet::new(), vec![from.clone()]);

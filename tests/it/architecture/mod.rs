@@ -1,4 +1,4 @@
-//! The rules of ARCHITECTURE.md: who may know whom, read off Cargo.toml and the sources, tests in them included.
+//! Checks the rules of ARCHITECTURE.md on which module may use which, from Cargo.toml and the sources with their tests.
 
 mod imports;
 
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use imports::{circles, code, sources};
 use sidc_testing::program::{file, root};
 
-/// The crates of the product, lowest first, and those of ours that each may use. Cargo holds them to it.
+/// The crates of the product, lowest first, with our own crates that each may use. Cargo enforces this.
 const CRATES: &[(&str, &[&str])] = &[
     ("thresholds", &[]),
     ("progress", &[]),
@@ -57,10 +57,10 @@ const CRATES: &[(&str, &[&str])] = &[
     (PYTHON, &[""]),
 ];
 
-/// A binding: its folder at the root of the repository, and its crate.
+/// The Python binding: its folder in the repository's root, and its crate.
 const PYTHON: &str = "python";
 
-/// Crates of other people that one crate of ours is there for.
+/// Third-party crates that only one of our crates may use.
 const ONE_PURPOSE: &[(&str, &str)] = &[
     ("clap", "crates/cli"),
     ("clap_complete", "crates/cli"),
@@ -79,7 +79,7 @@ const ONE_PURPOSE: &[(&str, &str)] = &[
     ("numpy", PYTHON),
 ];
 
-/// Folders whose files are alternatives of each other.
+/// Folders whose files are alternatives to each other.
 const ALTERNATIVES: &[(&str, &[&str])] = &[
     (
         "crates/lang/src/library/generators",
@@ -116,17 +116,17 @@ const ALTERNATIVES: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// Which modules of a crate use which: a table, so that a new permission is seen in a review.
+/// Which modules of a crate use which. It is a committed table, so that a review sees new permissions.
 const MODULES: &str = "tests/it/architecture/modules.txt";
 
-/// Compiled for the study of thresholds only, which moves numbers by the environment.
+/// Compiled only for the study of thresholds, which changes numbers through the environment.
 const VARY: &str = "crates/thresholds/src/vary.rs";
 
-/// Longest file, lines.
+/// Largest number of lines in a file.
 const LONGEST_FILE: usize = 450;
 
-/// The one circle of files. An expression contains functions, and the derivative of a function is an expression: one recursive
-/// type in two files, so that a function is still added by one line.
+/// The only import cycle. An expression contains functions, and the derivative of a function is an expression: one recursive type in two files, so that
+/// adding a function takes one line.
 const RECURSIVE_TYPE: (&str, &[&str]) = ("lang", &["term/expr.rs", "term/function.rs"]);
 
 /// The folder of a crate; the name of the root package is empty.
@@ -142,7 +142,7 @@ fn src(name: &str) -> PathBuf {
     folder(name).join("src")
 }
 
-/// All sources of the product, by their paths from the root of the repository.
+/// All sources of the product, by their paths from the repository's root.
 fn product() -> Vec<(String, PathBuf)> {
     let all = CRATES.iter().flat_map(|(name, _)| sources(&src(name)));
     let named = all.map(|path| {
@@ -152,7 +152,7 @@ fn product() -> Vec<(String, PathBuf)> {
     named.collect()
 }
 
-/// Our crates that a part of a Cargo.toml names.
+/// Our own crates named in a section of a Cargo.toml.
 fn dependencies(name: &str, part: &str) -> BTreeSet<String> {
     let text = fs::read_to_string(folder(name).join("Cargo.toml")).unwrap();
     let lines = text.lines().skip_while(|l| *l != format!("[{part}]"));
@@ -169,7 +169,7 @@ fn in_a_name(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
 }
 
-/// Whether code names this crate: `name::` that no longer name ends in.
+/// Whether code names this crate: `name::` that is not the end of a longer name.
 fn names(code: &str, name: &str) -> bool {
     let mark = format!("{name}::");
     code.match_indices(&mark)
@@ -200,7 +200,7 @@ fn crates_use_those_below_them_and_no_others() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// What nobody who uses the library needs is in no crate of it; no test crate is in the product.
+/// The library's crates have no dependencies that only other users need, and test crates are not in the product.
 #[test]
 fn crates_of_one_purpose_stay_where_they_are_used() {
     let files = product();
@@ -221,7 +221,7 @@ fn crates_of_one_purpose_stay_where_they_are_used() {
     }
 }
 
-/// The modules of a crate and what they use, one line each; files of the crate's root by their own names.
+/// A line for each module of a crate with the modules that it uses; a file in the crate's root counts as a module.
 fn modules() -> String {
     let top = |file: &str| {
         let first = file.split('/').next().unwrap_or_default();
@@ -247,7 +247,7 @@ fn modules() -> String {
     out
 }
 
-/// No more than the table allows, and no permission that nobody uses. `SIDC_WRITE_DOCS=1` writes it anew.
+/// Modules use exactly what the table permits, without unused permissions. `SIDC_WRITE_DOCS=1` rewrites it.
 #[test]
 fn modules_use_those_that_the_table_lists() {
     let found = modules();
@@ -281,7 +281,7 @@ fn files_do_not_import_each_other_in_circles() {
     assert_eq!(found, [(name, files)]);
 }
 
-/// A proof is checked by code that did not make it: verification knows no solver, no certificate and no Φ.
+/// A proof must be checked by independent code: verification knows no solver, no certificate and no Φ.
 #[test]
 fn verification_shares_nothing_with_what_it_checks() {
     let folder = root().join("crates/discover/src/verify");
@@ -298,7 +298,7 @@ fn verification_shares_nothing_with_what_it_checks() {
 fn alternatives_never_import_each_other() {
     for (folder, all) in ALTERNATIVES {
         for name in *all {
-            // A file, or a folder of files.
+            // A file or a folder of files.
             let path = root().join(folder).join(name);
             let files = match path.is_dir() {
                 true => sources(&path),
@@ -323,7 +323,7 @@ fn alternatives_never_import_each_other() {
 #[test]
 fn only_the_command_line_touches_files_and_terminals() {
     for (name, path) in product() {
-        // Tests may show what they did.
+        // Tests may print.
         if name.starts_with("crates/cli") || name.ends_with("tests.rs") || name == VARY {
             continue;
         }
@@ -347,7 +347,7 @@ fn files_are_short_and_say_what_they_are_for() {
     }
 }
 
-/// What the reader of imports must see, or circles would go unseen.
+/// The parser of imports must see all these forms, or cycles would be missed.
 #[test]
 fn imports_are_seen() {
     let folder = tempfile::tempdir().unwrap();
@@ -377,7 +377,7 @@ fn imports_are_seen() {
     assert_eq!(circles(&found), [["a.rs", "b.rs"]]);
 }
 
-/// Folders of crates that nobody lists would be judged by nobody.
+/// A crate missing from the list would not be checked.
 #[test]
 fn every_crate_is_listed() {
     let beside = ["testing", "studies", "random", "web-bindings"];

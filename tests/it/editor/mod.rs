@@ -1,4 +1,4 @@
-//! `sidc lsp` as Neovim runs it, with the plugin of editors/neovim; the protocol itself is tested in crates/lsp.
+//! `sidc lsp` in Neovim, with the plugin of editors/neovim. The protocol itself is tested in crates/lsp.
 
 mod trees;
 
@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use sidc_testing::program::{binary, file, root, sidc};
 use sidc_testing::runtimes::neovim;
 
-/// Runs one job of neovim.lua on a model; its answer.
+/// Runs one job of neovim.lua on a model. Returns its answer.
 fn in_neovim(neovim: &Path, job: &str, model: &Path, steps: &Value) -> Value {
     let run = Command::new(neovim)
         .args(["--headless", "--clean", "-n", "--cmd"])
@@ -32,7 +32,7 @@ fn in_neovim(neovim: &Path, job: &str, model: &Path, steps: &Value) -> Value {
     serde_json::from_str(line.unwrap_or_else(|| panic!("{shown}"))).unwrap()
 }
 
-/// Codes of what `sidc check` finds in a file, sorted.
+/// Sorted codes of what `sidc check` finds in a file.
 fn codes(model: &str) -> Vec<String> {
     let shown = sidc(&["check", model]).stderr;
     let code = |line: &str| {
@@ -82,7 +82,7 @@ fn neovim_renames_and_mends() {
     assert!(!answer["mended"].to_string().contains("unknown-statement"));
 }
 
-/// From an empty file, by completion alone: names are invented, everything else is chosen.
+/// Types a model by completion from an empty file: names are invented, everything else is chosen.
 #[test]
 fn neovim_types_a_model_by_completion() {
     let Some(neovim) = neovim() else { return };
@@ -113,7 +113,7 @@ fn neovim_types_a_model_by_completion() {
     assert_eq!(answer["text"], text);
 }
 
-/// A client that vanishes, or talks nonsense, ends the server, with a status that says so.
+/// A client that disconnects or sends nonsense ends the server with a status that says so.
 #[test]
 fn the_server_ends_with_its_client() {
     for (said, status) in [
@@ -141,7 +141,7 @@ fn the_server_ends_with_its_client() {
     }
 }
 
-/// A burst of changes, all in the pipe before the first is read: the last is understood, and few of the others.
+/// Of a burst of changes, all in the pipe before the first is read, the last is analysed and few of the others.
 #[test]
 fn the_program_understands_the_last_of_many_changes() {
     const CHANGES: usize = 1_000;

@@ -1,8 +1,8 @@
--- Run by tests/it/editor: the plugin of editors/neovim on real files. Prints one line of JSON, and ends with the status 1 after an error.
--- From the environment: the job, the model, and for some jobs steps in JSON.
+-- Run by tests/it/editor: tests the plugin of editors/neovim on real files. Prints one line of JSON; exits with status 1 after an error.
+-- The environment gives the job, the model, and for some jobs steps in JSON.
 local job, path = vim.env.SIDC_JOB, vim.env.SIDC_MODEL
 
--- As with a plugin for snippets, which Neovim 0.7 lacks.
+-- Announces snippet support, as a snippet plugin would; Neovim 0.7 has none.
 local capabilities = vim.lsp.protocol.make_client_capabilities
 vim.lsp.protocol.make_client_capabilities = function()
   local all = capabilities()
@@ -14,12 +14,12 @@ local function wait(what, ready)
   if not vim.wait(30000, ready, 5) then error("waited in vain for " .. what) end
 end
 
--- The cursor may stand behind the last character, as while typing.
+-- Allows the cursor after the last character, as while typing.
 vim.o.virtualedit = "onemore"
 
 local buffer
 
--- Diagnostics of the text as it is now: the server has named its version.
+-- The latest diagnostics, with the version of the text that they are for.
 local latest = {}
 vim.lsp.handlers["textDocument/publishDiagnostics"] = function(_, result)
   latest = { version = result.version, found = result.diagnostics }
@@ -53,7 +53,7 @@ local function lines() return vim.api.nvim_buf_get_lines(buffer, 0, -1, false) e
 
 local jobs = {}
 
--- What is found in a file, its number of symbols and hints, and the file after formatting.
+-- The diagnostics of a file, its number of symbols, and the file after formatting.
 function jobs.read()
   open()
   local document = { textDocument = vim.lsp.util.make_text_document_params() }
@@ -63,7 +63,7 @@ function jobs.read()
   return { found = found, symbols = #symbols, text = table.concat(lines(), "\n") }
 end
 
--- Goes to a definition, renames by the name under the cursor, breaks a line, and mends it by its quick fix.
+-- Goes to a definition, renames the name under the cursor, breaks a line, and repairs it by a quick fix.
 function jobs.change()
   open()
   diagnostics()
@@ -93,8 +93,8 @@ function jobs.change()
   }
 end
 
--- Types a model from nothing. Each step is a label that completion must offer, and what fills its places in turn; `|` is where the cursor
--- goes on. A step of three stays on its line.
+-- Types a model from nothing. Each step is a label that completion must offer, and the values for its places in order; `|` is where the
+-- cursor continues. A step of three stays on its line.
 function jobs.type()
   open()
   local function filled(text, values)
@@ -102,7 +102,7 @@ function jobs.type()
       return values[tonumber(place)] or default:match("^[^,|]*")
     end))
   end
-  -- Puts text there, and the cursor at its `|` or behind it.
+  -- Inserts text at a range, and puts the cursor at its `|` or after it.
   local function put(range, text)
     local goes_on = text:find("|", 1, true) or #text + 1
     local typed = vim.split(text:sub(1, goes_on - 1), "\n", { plain = true })
@@ -134,7 +134,7 @@ function jobs.type()
   return { found = diagnostics(), text = table.concat(lines(), "\n") }
 end
 
--- What the parser of editors/tree-sitter makes of texts: the model is a file of them in JSON, the steps are the parser and a file of colours.
+-- Parses texts with editors/tree-sitter: the model is a JSON file of texts, the steps are the parser and a file of highlighting queries.
 function jobs.trees()
   local parser, colours = unpack(vim.fn.json_decode(vim.env.SIDC_STEPS))
   local function read(path)
@@ -151,7 +151,7 @@ function jobs.trees()
   end
   local query = (vim.treesitter.query.parse or vim.treesitter.parse_query)("sid", read(colours))
 
-  -- Whether a text is understood, the first byte of each statement, and the first and last byte of each word with its colour.
+  -- Whether a text parses, the first byte of each statement, and the first and last byte of each word with its highlight.
   local function seen(text)
     local root = vim.treesitter.get_string_parser(text, "sid"):parse()[1]:root()
     local statements, words = vim.empty_dict(), vim.empty_dict()

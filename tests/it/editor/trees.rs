@@ -1,4 +1,4 @@
-//! The tree-sitter grammar of editors/ against the compiler, with Neovim's library of tree-sitter.
+//! Compares the tree-sitter grammar in editors/ with the compiler, using Neovim's tree-sitter library.
 
 use std::fs;
 use std::process::Command;
@@ -14,20 +14,20 @@ use sidc_testing::runtimes::{c_compiler, finished, neovim};
 
 use super::in_neovim;
 
-/// A word: its first byte, the byte behind it, its kind.
+/// A word: its first byte, the byte after it, its kind.
 type Word = (usize, usize, String);
 
-/// What the grammar makes of a text.
+/// The result of parsing a text with the grammar.
 struct Tree {
     sound: bool,
-    /// First bytes.
+    /// Their first bytes.
     statements: Vec<usize>,
     words: Vec<Word>,
 }
 
 const FILE: FileId = FileId(0);
 
-/// The models and faulty models of the repository, and every model of the language's reference.
+/// The models and faulty models of the repository, and every model in the language reference.
 fn texts() -> Vec<(String, String)> {
     let folders = ["models", "tests/bad", "crates/studies/rigs"];
     let mut all: Vec<_> = folders.into_iter().flat_map(models).collect();
@@ -40,14 +40,14 @@ fn texts() -> Vec<(String, String)> {
     all
 }
 
-/// Those that compile.
+/// The texts that compile.
 fn compiling(texts: Vec<(String, String)>) -> Vec<(String, String)> {
     let compiles = |text: &str| sidc::Model::parse(text).is_ok();
     let all = texts.into_iter();
     all.filter(|(_, text)| compiles(text)).collect()
 }
 
-/// Each text through the parser of editors/tree-sitter, coloured by the words of an editor; none without Neovim or a compiler of C.
+/// Parses each text with the parser of editors/tree-sitter and highlights it with an editor's queries; `None` without Neovim or a C compiler.
 fn trees(texts: &[(String, String)], colours: &str) -> Option<Vec<Tree>> {
     let (neovim, compiler) = (neovim()?, c_compiler()?);
     let folder = tempfile::tempdir().unwrap();
@@ -84,7 +84,7 @@ fn tree(found: &Value) -> Tree {
     }
 }
 
-/// A text with its lines broken wherever a statement goes on and a coin says so.
+/// Breaks lines at random places where a statement may continue.
 fn broken_up(text: &str, rng: &mut Random) -> String {
     let (tokens, _) = tokenize(FILE, text);
     let goes_on = |left: &Token, right: &Token| {
@@ -122,13 +122,13 @@ fn statements_begin_where_the_compiler_says() {
     }
 }
 
-/// Colours of the editors that have no others.
+/// Highlighting queries of editors that have no other colours.
 const COLOURS: [&str; 2] = [
     "editors/helix/queries/sid/highlights.scm",
     "editors/zed/languages/sid/highlights.scm",
 ];
 
-/// Words of the editors → those of the protocol, as far as a grammar without declarations can tell them apart.
+/// Capture names of editors as token types of the protocol, as far as a grammar without declarations can distinguish them.
 fn kind(capture: &str) -> Option<&str> {
     Some(match capture {
         "attribute" => "property",
@@ -141,7 +141,7 @@ fn kind(capture: &str) -> Option<&str> {
     })
 }
 
-/// Words with a kind as the server colours them, places in bytes.
+/// Words with their kinds from the server's semantic tokens, in bytes.
 fn served(text: &str) -> Vec<Word> {
     let mut server = Server::new(&());
     let encodings = json!({ "capabilities": { "general": { "positionEncodings": ["utf-8"] } } });

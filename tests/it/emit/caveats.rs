@@ -1,4 +1,4 @@
-//! Doubts and delays travel with every export: in its first comment, and as constants that compile.
+//! Every export states doubts and delays, in its first comment and as constants that compile.
 
 use std::fs;
 use std::process::Command;
@@ -11,10 +11,10 @@ use sidc_testing::program::sidc;
 use sidc_testing::runtimes;
 use sidc_testing::runtimes::finished;
 
-/// What would end a comment or a string in some language.
+/// Text that would end a comment or a string in some language.
 const HOSTILE: &str = "missed */ by \"\"\" 'far' \\end{x} %} //\n\u{7} ??/ `$(x)`";
 
-/// ẋ = −x + 3 u(t − 0.25), doubted, or passed and without a delay.
+/// ẋ = −x + 3 u(t − 0.25) with a doubt, or a law that passes, without a delay.
 fn text(doubted: bool) -> String {
     let delay = InputDelay {
         input: "u".into(),
@@ -113,7 +113,7 @@ fn the_constants_compile_and_say_what_the_result_says() {
     }
     if let Some(python) = runtimes::python("numpy") {
         fs::write(at("late.py"), exported("python")).unwrap();
-        // A ramp u = t acts as t - 0.25; numbers are inputs as they act.
+        // A function as input is delayed: the ramp u = t acts as t − 0.25. Numbers are taken as delayed already.
         let script = "import late\nprint(late.SIDC_VERDICT, late.SIDC_INPUT_DELAYS)\n\
                       print(late.derivatives(2.0, [0.0], lambda t: [t])[0], late.derivatives(2.0, [0.0], [2.0])[0])\n";
         fs::write(at("run.py"), script).unwrap();

@@ -1,4 +1,4 @@
-//! What runs on a controller: header files, several systems in one program, single precision, a step.
+//! Code for controllers: header files, several systems in one program, single precision, a step function.
 
 use std::fmt::Write;
 use std::fs;
@@ -11,11 +11,11 @@ use super::{constants, document, pendulum, systems};
 use sidc_system::discovery::Form;
 use sidc_testing::runtimes::{self, finished};
 
-/// What the names of emitted C begin with.
+/// The prefix of names in emitted C.
 pub fn prefix(code: &str) -> String {
     let verdict = code.lines().find_map(|l| l.strip_prefix("#define "));
     let (prefix, _) = verdict.unwrap().split_once("_VERDICT").unwrap();
-    // The functions have it as it was written.
+    // The functions have it in the original case.
     let from = code
         .to_lowercase()
         .find(&format!("void {}_", prefix.to_lowercase()))
@@ -23,7 +23,7 @@ pub fn prefix(code: &str) -> String {
     code[from + 5..][..prefix.len()].to_string()
 }
 
-/// The state after some steps of the classical method, by our evaluator.
+/// The state after some Runge–Kutta steps, by our evaluator.
 fn stepped(form: &Form, start: &[f64], input: &[f64], (h, steps): (f64, usize)) -> Vec<f64> {
     let mut x = start.to_vec();
     for step in 0..steps {
@@ -47,7 +47,7 @@ fn numbers(line: &str) -> Vec<f64> {
     line.split_whitespace().map(number).collect()
 }
 
-/// Compiles `main.c` with the emitted files beside it, and runs it.
+/// Compiles `main.c` with the emitted files in its folder, and runs it.
 fn run(folder: &Path, compiler: &Path, (sources, warnings): (&[&str], &[&str])) -> String {
     let strict = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"];
     let mut command = Command::new(compiler);
@@ -70,7 +70,7 @@ fn two_systems_link_and_take_steps() {
         return;
     };
     let folder = tempfile::tempdir().unwrap();
-    // A state that is called as a helper of the code: both files have one name for the system all the same.
+    // The name of a state collides with a helper of the code, but both files must use the same prefix.
     let mut tank = document(
         &[("Tank_root", "state", 1)],
         "continuous",
@@ -107,7 +107,7 @@ fn two_systems_link_and_take_steps() {
     assert_eq!(lines[0], "passes passes");
     let expected = stepped(&Form::new(&pendulum()), &START, &INPUT, STEPS);
     check_to(1e-12, &numbers(lines[1]), &expected, &|| "pendulum".into());
-    // sqrt(level) falls by 0.15 a second.
+    // sqrt(level) falls by 0.15 per second.
     check_to(
         1e-9,
         &numbers(lines[2]),

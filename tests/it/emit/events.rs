@@ -1,6 +1,6 @@
-//! Exported steps that stick, slip and switch, run in each language along inputs that jump, against our own runs.
+//! Exported steps with sticking, slipping and switching, run in each language with jumping inputs and compared with our own runs.
 //!
-//! Two systems: a drive with dry friction under a force in steps, and two bodies on dry ground and on each other, coupled by their masses.
+//! Two systems: a drive with dry friction under a stepwise force, and two bodies with friction between ground and each other, coupled by their masses.
 
 use std::fs;
 use std::path::Path;
@@ -81,13 +81,13 @@ pub(super) fn systems() -> [System; 2] {
     ]
 }
 
-/// Forces in steps, some of which move nothing.
+/// A stepwise force with some levels below the friction.
 pub(super) fn forces() -> Vec<f64> {
     let levels = [0.5, 2.4, 0.0, -1.9, 0.9, -0.3, 3.0, 0.0];
     (0..ROWS).map(|k| levels[k / 100 % levels.len()]).collect()
 }
 
-/// Our own run, by fixed steps of the same length.
+/// Our own run, with fixed steps of the same length.
 pub(super) fn ours(system: &System, folder: &Path) -> Vec<Vec<f64>> {
     let path = |name: &str| folder.join(name).display().to_string();
     fs::write(path("R.json"), system.document.to_string()).unwrap();
@@ -124,12 +124,12 @@ fn compare(system: &System, language: &str, ours: &[Vec<f64>], printed: &str) {
             assert!(near, "{language}: {} at row {k}: {a:?} {b:?}", system.name);
         }
     }
-    // The way there must have rested, or it tells nothing.
+    // The system must have rested for a while, or the comparison proves little.
     let rests = ours.iter().filter(|row| row[1].abs() < 1e-12).count();
     assert!(rests > 50 && rests < ROWS - 200, "{}: {rests}", system.name);
 }
 
-/// Each system with its run and its code in a language.
+/// Runs each system's code in a language and compares it with our run.
 fn for_each(target: &str, mut run: impl FnMut(&System, &str, &Path) -> String) {
     for system in systems() {
         let folder = tempfile::tempdir().unwrap();
@@ -199,7 +199,7 @@ fn c_steps_from_event_to_event() {
     });
 }
 
-/// By fixed steps, and by `solve_ivp` from event to event.
+/// With fixed steps, and with `solve_ivp` from event to event.
 #[test]
 fn python_steps_from_event_to_event() {
     let Some(python) = runtimes::python("numpy, scipy") else {
@@ -223,7 +223,7 @@ fn python_steps_from_event_to_event() {
     });
 }
 
-/// By fixed steps, and by `ode45` from event to event.
+/// With fixed steps, and with `ode45` from event to event.
 #[test]
 fn octave_steps_from_event_to_event() {
     let Some(octave) = runtimes::octave() else {

@@ -1,4 +1,4 @@
-//! The programs that docs/exports.md and docs/friction.md show print what is shown. `SIDC_WRITE_DOCS=1` writes the outputs anew.
+//! The programs shown in docs/exports.md and docs/friction.md print the output shown. `SIDC_WRITE_DOCS=1` rewrites the outputs.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use sidc_testing::program::{file, root, sidc};
 use sidc_testing::runtimes;
 use sidc_testing::runtimes::finished;
 
-/// A program, and what is shown to come out.
+/// A program and the output shown for it.
 struct Example {
     language: String,
     code: String,
@@ -41,7 +41,7 @@ fn examples(page: &str) -> Vec<Example> {
         .collect()
 }
 
-/// What the program prints; `None` if its language is not here.
+/// The program's output; `None` if its language is not installed.
 fn run(example: &Example, folder: &Path) -> Option<String> {
     let write = |name: &str, text: &str| fs::write(folder.join(name), text).unwrap();
     match example.language.as_str() {
@@ -85,11 +85,11 @@ fn run(example: &Example, folder: &Path) -> Option<String> {
     }
 }
 
-/// Puts the binary into the FMU, as the page says; the Python that did.
+/// Compiles the binary into the FMU, as the page describes. Returns the Python interpreter used.
 fn compiled_fmu(folder: &Path) -> Option<PathBuf> {
     let python = runtimes::fmpy()?;
     let mut path = std::env::var_os("PATH").unwrap_or_default();
-    // cmake lies beside the interpreter.
+    // cmake is in the interpreter's folder.
     path.push(format!(":{}", python.parent().unwrap().display()));
     let mut compile = Command::new(&python);
     compile.args(["-m", "fmpy", "compile", "pendulum.fmu"]);

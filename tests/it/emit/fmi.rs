@@ -1,4 +1,4 @@
-//! FMUs: validated, compiled and run by fmpy, against our evaluator and our runs.
+//! FMUs, validated, compiled and run by fmpy, compared with our evaluator and our runs.
 
 use std::fs;
 use std::io::Read;
@@ -16,7 +16,7 @@ use sidc_system::result;
 use sidc_testing::program::sidc;
 use sidc_testing::runtimes::{self, finished};
 
-/// The files of an archive with their contents.
+/// The files in an archive with their contents.
 fn unpacked(bytes: &[u8]) -> Vec<(String, String)> {
     let archive = rawzip::ZipArchive::from_slice(bytes).unwrap();
     let mut entries = archive.entries();
@@ -33,7 +33,7 @@ fn unpacked(bytes: &[u8]) -> Vec<(String, String)> {
     all
 }
 
-/// The text of what was written; of an archive that of all its files.
+/// The written text; for an archive the text of all its files.
 pub fn readable(written: Written) -> String {
     match written {
         Written::Text(text) => text,
@@ -45,7 +45,7 @@ fn fmu(d: &Discovery) -> Vec<u8> {
     emit::target("fmi").unwrap().emit(d).unwrap().into_bytes()
 }
 
-/// Functions that compile and open FMUs. cmake lies beside the interpreter.
+/// Functions that compile and open FMUs. cmake is in the interpreter's folder.
 const OPENED: &str = "
 import ctypes, os, re, sys
 os.environ['PATH'] = os.path.dirname(sys.executable) + os.pathsep + os.environ['PATH']
@@ -122,7 +122,7 @@ fn python_points(case: &Case) -> String {
     points.replace("NaN", "nan")
 }
 
-/// The functions that an FMU has: slopes where there are neither outputs nor events.
+/// The functions of an FMU; Jacobians only if there are neither outputs nor events.
 fn functions(case: &Case, text: &str) -> Vec<&'static str> {
     let slopes = text.contains("providesDirectionalDerivatives=\"true\"");
     let all = case.functions().into_iter();
@@ -137,7 +137,7 @@ fn an_fmu_agrees_with_the_evaluator() {
     };
     let folder = tempfile::tempdir().unwrap();
     let target = emit::target("fmi").unwrap();
-    // Each is compiled for a second: those written by hand, and some drawn ones.
+    // Each takes a second to compile: those written by hand, and some random ones.
     let all = cases().into_iter().enumerate();
     let some = all.filter(|(i, c)| !c.discovery.discrete && (*i < 6 || i % 16 == 0));
     let cases: Vec<Case> = some
@@ -187,7 +187,7 @@ fn run(python: &Path, folder: &Path, script: &str) -> String {
     )
 }
 
-/// Units, an input that acts late, a parameter from the data, an unknown constant, an output, names that no XML takes as they are.
+/// Units, a delayed input, a parameter from the data, an unknown constant, an output, and names that XML does not accept unchanged.
 const EVERYTHING: &str = r#"{"sidc_result": 1, "system": "tank", "time": "continuous", "time_unit": "s",
     "variables": [{"name": "θ", "kind": "state", "order": 2, "unit": "rad"}, {"name": "u", "kind": "input", "unit": "N"},
         {"name": "m", "kind": "param", "unit": "kg"}, {"name": "K", "kind": "unknown"}, {"name": "a", "kind": "output"},
@@ -214,7 +214,7 @@ fn a_model_description_reads_well() {
         "sources/fmi3.c",
     ];
     assert_eq!(names, [&["modelDescription.xml"], &sources[..]].concat());
-    // The token changes with every change of the code, the version with every release.
+    // The token changes with the code, the version with every release.
     let lines = all[0].1.lines().chain(all[1].1.lines());
     let changes = |l: &&str| !l.contains("instantiationToken=") && !l.contains("generationTool=");
     let kept: String = lines.filter(changes).map(|l| format!("{l}\n")).collect();
@@ -261,7 +261,7 @@ print(refused(lambda: fmu.getInt32([1])))
 print(refused(lambda: fmu.getDirectionalDerivative([of['a']], [of['θ']], [1.0])))
 ";
 
-/// Parameters are set, states are saved, misuse is refused with a sentence.
+/// Parameters can be set, states can be saved, and misuse is rejected with a message.
 #[test]
 fn an_fmu_has_parameters_and_says_what_is_missing() {
     let Some(python) = runtimes::fmpy() else {
@@ -299,7 +299,7 @@ fn a_binary_file_is_not_printed() {
     );
 }
 
-/// Steps of the input, so that every jump is told twice.
+/// Times of the inputs; every jump has two.
 const RUN: &str = "
 def course(name, step, given, start):
     folder = compiled(name)
@@ -315,7 +315,7 @@ def course(name, step, given, start):
         numbers(list(row)[1:])
 ";
 
-/// Friction that sticks and slips, at events that CVODE finds, along forces in steps.
+/// Sticking and slipping friction, with events found by CVODE, under a stepwise force.
 #[test]
 fn an_fmu_runs_from_event_to_event() {
     let Some(python) = runtimes::fmpy() else {

@@ -1,6 +1,6 @@
-//! Every target run: a hundred random systems and those of the gallery in one process a language, against our evaluator.
+//! Runs every target: a hundred random systems and those of the gallery in one process per language, compared with our evaluator.
 //!
-//! A runtime that is not here is named in the last lines of `cargo test`: `.ci/run` installs them all.
+//! The last lines of `cargo test` name missing runtimes; `.ci/run` installs them all.
 
 use std::fs;
 use std::process::Command;
@@ -28,7 +28,7 @@ pub fn emitted(target: &str, case: &Case) -> String {
     target.emit(&case.discovery).unwrap().into_text().unwrap()
 }
 
-/// `a, b, c`, each so that it reads back.
+/// Numbers separated by commas, so that each reads back exactly.
 pub fn list(values: &[f64]) -> String {
     let all: Vec<String> = values.iter().map(|x| format!("{x:?}")).collect();
     all.join(", ")
@@ -90,7 +90,7 @@ fn c_agrees_with_the_evaluator() {
         "static void show(int n, const double *v) { for (int i = 0; i < n; i++) printf(\"%.17g \", v[i]); printf(\"\\n\"); }\n",
     );
     for (k, case) in cases.iter().enumerate() {
-        // All systems in one file: each needs names of its own.
+        // All systems share one file, so each needs its own names.
         let code = emitted("c", case);
         let prefix = super::controllers::prefix(&code);
         let code = code.replace(&format!("{prefix}_"), &format!("m{k}_"));
@@ -171,7 +171,7 @@ fn python_agrees_with_the_evaluator() {
     compare("python", &cases, &printed);
 }
 
-/// All points of a case at once: a column each.
+/// All points of a case at once, one per column.
 #[test]
 fn python_takes_columns_of_states() {
     let Some(python) = runtimes::python("numpy") else {
@@ -226,7 +226,7 @@ fn octave_agrees_with_the_evaluator() {
         String::from("1;\nfunction show(v)\n  v = v';\n  disp(sprintf('%.17g ', v(:)));\nend\n");
     for (k, case) in cases.iter().enumerate() {
         let code = emitted("matlab", case);
-        // The name of the file is the name of the function.
+        // The name of a file must be that of its function.
         let (head, rest) = code.split_once('\n').unwrap();
         let (left, right) = head.split_once(" = ").unwrap();
         let arguments = right.split_once('(').unwrap().1;
@@ -261,15 +261,15 @@ fn octave_agrees_with_the_evaluator() {
         .current_dir(folder.path());
     let output = command.output().unwrap();
     let errors = String::from_utf8_lossy(&output.stderr);
-    // Octave 7 complains of its own end.
+    // Octave 7 reports errors of its own shutdown.
     let own = |l: &&str| !l.contains("while preparing to exit");
     let errors: Vec<&str> = errors.lines().filter(own).collect();
     assert!(output.status.success() && errors.is_empty(), "{errors:?}");
     compare("octave", &cases, &String::from_utf8(output.stdout).unwrap());
 }
 
-/// What is not finite is not compared: SymPy simplifies before it looks at numbers, so that log(exp(x)) is x everywhere, and
-/// `lambdify` has min(x, NaN) = NaN, where all others have x.
+/// Only finite values are compared: SymPy simplifies symbolically, so that log(exp(x)) is always x, and `lambdify` gives min(x, NaN) = NaN where all others
+/// give x.
 #[test]
 fn sympy_agrees_with_the_evaluator() {
     let Some(python) = runtimes::python("numpy, sympy") else {
@@ -294,7 +294,7 @@ fn sympy_agrees_with_the_evaluator() {
                 .collect();
             format!("[{}], ", list(&[&[p.t], all.as_slice()].concat()))
         });
-        // NaN is nan in Python.
+        // NaN is spelled nan in Python.
         let points = points.collect::<String>().replace("NaN", "nan");
         calls.push_str(&format!("import m{k}\nshow(m{k}, [{points}])\n"));
     }
@@ -311,7 +311,7 @@ fn sympy_agrees_with_the_evaluator() {
                 let got: Vec<f64> = line.split_whitespace().map(number).collect();
                 assert_eq!(got.len(), expected.len(), "{}", place());
                 if got.iter().chain(expected).all(|x| x.is_finite()) {
-                    // Rates that SymPy solves for in symbols lose a digit that elimination keeps.
+                    // The rates that SymPy solves symbolically lose a digit that elimination keeps.
                     match side == 3 && case.form.linear && case.form.coupled() {
                         true => check_to(1e-11, &got, expected, &place),
                         false => check(&got, expected, true, &place),
@@ -350,7 +350,7 @@ def show(m, points):
             print(*(repr(v.real if v.imag == 0 else nan) for v in values))
 ";
 
-/// All documents as one, and one of them as it is.
+/// All documents in one, and one of them alone.
 #[test]
 fn latex_compiles() {
     let Some(latex) = runtimes::pdflatex() else {

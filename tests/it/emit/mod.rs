@@ -1,4 +1,4 @@
-//! Emitted code is run and compared with our own evaluator (`languages.rs`); what people read is a snapshot.
+//! Emitted code is run and compared with our own evaluator (`languages.rs`); text for readers is kept as snapshots.
 
 mod caveats;
 mod controllers;
@@ -16,7 +16,7 @@ use sidc_system::discovery::{Discovery, UnknownValue};
 use sidc_system::result;
 use sidc_testing::program::{file, root, sidc};
 
-/// A result document with the given variables and equations: (target, [(term, coefficient)]).
+/// A result with the given variables and equations (target, [(term, coefficient)]).
 fn document(
     variables: &[(&str, &str, u8)],
     time: &str,
@@ -42,13 +42,13 @@ fn document(
     result::read("R.json", &doc.to_string()).unwrap_or_else(|d| panic!("{}", d.message))
 }
 
-/// The one that `benches/emitted.rs` times.
+/// The system timed in `benches/emitted.rs`.
 fn pendulum() -> Discovery {
     let text = file("benches/emitted/pendulum.json");
     result::read("pendulum.json", &text).unwrap_or_else(|d| panic!("{}", d.message))
 }
 
-/// Systems that between them use every construct of the emitters.
+/// Systems that together use every construct of the emitters.
 fn systems() -> Vec<(&'static str, Discovery)> {
     let functions = document(
         &[
@@ -148,7 +148,7 @@ fn latex_reads_well() {
     insta::assert_snapshot!(text);
 }
 
-/// `SIDC_WRITE_DOCS=1` writes it anew.
+/// `SIDC_WRITE_DOCS=1` rewrites the file.
 #[test]
 fn the_code_that_is_timed_is_the_code_that_is_emitted() {
     let path = "benches/emitted/pendulum.rs";
@@ -160,7 +160,7 @@ fn the_code_that_is_timed_is_the_code_that_is_emitted() {
     assert_eq!(file(path), run.stdout);
 }
 
-/// A system with unknown constants that were found.
+/// A system with unknown constants and their estimates.
 fn constants() -> Discovery {
     let mut constants = document(
         &[
@@ -219,7 +219,7 @@ fn every_target_reads_well() {
     }
 }
 
-/// Nothing is solved that is not coupled, and nothing named that is not used twice.
+/// Uncoupled equations are not solved as a system, and only expressions used twice get a name.
 #[test]
 fn explicit_equations_need_no_solve() {
     let d = document(

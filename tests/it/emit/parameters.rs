@@ -1,4 +1,4 @@
-//! The block of numbers that were found, read back in every language that has it.
+//! The block of estimated numbers, read back in every language that has it.
 
 use std::fs;
 use std::path::Path;
@@ -13,7 +13,7 @@ use sidc_system::result;
 use sidc_testing::program::{file, sidc};
 use sidc_testing::runtimes::{self, finished};
 
-/// One equation with a stated, two fitted and an unfitted coefficient; names that need care; an unknown constant.
+/// One equation with a stated, two fitted and an unfitted coefficient, names that need escaping, and an unknown constant.
 const DOCUMENT: &str = r#"{"sidc_result": 1, "time": "continuous", "time_unit": "s",
     "variables": [{"name": "θ", "kind": "state", "order": 1, "unit": "m"}, {"name": "K", "kind": "unknown", "unit": "m"}],
     "equations": [{"target": "dθ", "status": "pass", "terms": [
@@ -40,7 +40,7 @@ fn code(target: &str) -> String {
     written.into_text().unwrap()
 }
 
-/// Lines of names, units, values, errors and rows of covariances.
+/// Checks lines of names, units, values, errors and rows of covariances.
 fn check(language: &str, printed: &str) {
     let lines: Vec<Vec<&str>> = printed
         .lines()
@@ -103,7 +103,7 @@ fn rust_has_the_numbers_that_were_found() {
     );
 }
 
-/// By the header alone.
+/// Uses only the header.
 #[test]
 fn c_has_the_numbers_that_were_found() {
     let Some(compiler) = runtimes::c_compiler() else {
@@ -191,7 +191,7 @@ fn columns() -> DMatrix<f64> {
     DMatrix::from_row_slice(rows.len() / 4, 4, &rows)
 }
 
-/// Measured rates all count alike, so the covariance is the inverse of the Gram matrix.
+/// All measured rates have equal weight, so the covariance is proportional to the inverse of the Gram matrix.
 #[test]
 fn correlations_are_those_of_the_regression() {
     let folder = tempfile::tempdir().unwrap();

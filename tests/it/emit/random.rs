@@ -1,4 +1,4 @@
-//! Systems drawn at random: all functions, mixed orders, coupled and implicit laws, and names that try to be code.
+//! Random systems with all functions, mixed orders, coupled and implicit laws, and names that look like code.
 
 use sidc_lang::model::VarKind;
 use sidc_lang::term::{Expr, FUNCTIONS, Func, Signal, VarId};
@@ -29,7 +29,7 @@ impl Random {
     }
 }
 
-/// What users call things, and what nobody should.
+/// Names as users choose them, and names that nobody should choose.
 #[rustfmt::skip]
 pub const NAMES: &[&str] = &[
     "x", "y", "theta", "omega_m", "x1", "θ", "Ω", "é", "速度", "x́", "type", "fn", "self", "match", "state", "input", "parameter",
@@ -43,17 +43,17 @@ pub const NAMES: &[&str] = &[
     "a_very_long_name_that_goes_on_and_on_and_on_beyond_what_matlab_reads_at_all_2",
 ];
 
-/// Which laws a system has.
+/// The kind of laws in a system.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Laws {
     Explicit,
-    /// Others' targets as factors, with a mass matrix that stays regular.
+    /// Factors are targets of others, with a regular mass matrix.
     Coupled,
     /// Each law may use the targets of those before it.
     Chained,
-    /// Targets within functions; the laws contract.
+    /// Targets inside functions; the laws are contractions.
     Implicit,
-    /// Next samples of states and lagged inputs.
+    /// Next samples of states, and lagged inputs.
     Discrete,
 }
 
@@ -65,7 +65,7 @@ const LAWS: [Laws; 5] = [
     Laws::Discrete,
 ];
 
-/// One system of its kind.
+/// A system for a seed.
 pub fn system(seed: u64) -> Discovery {
     let mut draw = Draw {
         random: Random::new(seed),
@@ -74,7 +74,7 @@ pub fn system(seed: u64) -> Discovery {
         variables: Vec::new(),
         laws: LAWS[seed as usize % LAWS.len()],
     };
-    // One system in four has unknown constants.
+    // Constants in one system of four.
     let constants = [2, 0, 0, 1, 0, 0, 0, 0][seed as usize % 8];
     let targets = draw.declare(constants);
     let equations = draw.equations(&targets);
@@ -119,7 +119,7 @@ impl Draw {
         VarId(self.variables.len() as u16 - 1)
     }
 
-    /// The variables; the targets of the states.
+    /// Declares the variables. Returns the targets of the states.
     fn declare(&mut self, constants: usize) -> Vec<Signal> {
         self.variables.push(Variable {
             name: "t".into(),
@@ -199,7 +199,7 @@ impl Draw {
             .collect()
     }
 
-    /// What the law of target i says about target j.
+    /// How the law of target i depends on target j.
     fn through(&mut self, i: usize, j: usize, other: Signal) -> Option<(f64, Expr)> {
         let weight = self.random.between(-0.2, 0.2);
         let q = Expr::signal(other);
@@ -244,7 +244,7 @@ impl Draw {
         }
     }
 
-    /// To the power of an unknown constant, if there is one.
+    /// Raises an expression to an unknown constant, if there is one.
     fn raised(&mut self, a: Expr) -> Expr {
         let unknown = |s: &&Signal| self.variables[usize::from(s.var.0)].kind == VarKind::Unknown;
         let exponent = self.leaves.iter().find(unknown).copied();
@@ -255,7 +255,7 @@ impl Draw {
         }
     }
 
-    /// Any function of the table; arguments are mostly, not always, within its domain.
+    /// A random function; its arguments are mostly in its domain.
     fn function(&mut self, a: Expr, depth: usize) -> Expr {
         let f = &FUNCTIONS[self.random.below(FUNCTIONS.len())];
         if f.arity.1 > 1 {
@@ -282,7 +282,7 @@ fn call(name: &str, e: Expr) -> Expr {
     Func::named(name).map_or_else(Expr::zero, |f| Expr::call(f, vec![e]))
 }
 
-/// Terms that are one column are one term, and numbers are the constant.
+/// Merges terms with the same column, and numbers into the constant term.
 fn equation(target: Signal, terms: Vec<(f64, Expr)>) -> Equation {
     let sum: Expr = terms.into_iter().map(|(c, e)| e.scale(c)).sum();
     let terms = sum.terms().map(|(coefficient, term)| FoundTerm {

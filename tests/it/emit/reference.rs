@@ -1,4 +1,4 @@
-//! What emitted code has to say: our evaluator at random points, and derivatives by the implicit function theorem.
+//! Reference values for emitted code: our evaluator at random points, and derivatives by the implicit function theorem.
 
 use nalgebra::{DMatrix, DVector};
 use sidc_lang::term::{Expr, Signal};
@@ -6,7 +6,7 @@ use sidc_system::discovery::{Discovery, Form, Rate};
 
 use super::random::Random;
 
-/// A system, the points to run it at, and the answers.
+/// A system, the points to evaluate it at, and the answers.
 pub struct Case {
     pub discovery: Discovery,
     pub form: Form,
@@ -19,15 +19,15 @@ pub struct Point {
     pub groups: [Vec<f64>; 5],
     /// Highest derivatives, or next samples.
     pub unknown: Vec<f64>,
-    /// NaN for unknowns that do not exist here.
+    /// NaN for unknowns without a value.
     pub rates: Vec<f64>,
-    /// By state, row by row; then by input.
+    /// Derivatives by the state, row by row, then those by the inputs.
     pub slopes: [Vec<f64>; 2],
     pub outputs: Vec<f64>,
 }
 
 impl Case {
-    /// `count` points in ±1.5; parameters, which are masses and lengths, in 1 to 2.5.
+    /// `count` points within ±1.5; parameters, which are masses and lengths, from 1 to 2.5.
     pub fn new(discovery: Discovery, count: usize, seed: u64) -> Case {
         let form = Form::new(&discovery);
         let mut random = Random::new(seed);
@@ -43,7 +43,7 @@ impl Case {
         }
     }
 
-    /// The names and values of the arguments that the system has.
+    /// The arguments of the system at a point.
     pub fn arguments<'a>(&self, point: &'a Point) -> Vec<&'a Vec<f64>> {
         let all = point.groups.iter().enumerate();
         all.filter(|(i, g)| *i == 0 || !g.is_empty())
@@ -51,7 +51,7 @@ impl Case {
             .collect()
     }
 
-    /// The same; at every second point without the constants, whose values are the default ones.
+    /// The same arguments, at every second point without the constants, which then have their default values.
     pub fn without_defaults<'a>(&self, point: &'a Point, place: usize) -> Vec<&'a Vec<f64>> {
         let mut all = self.arguments(point);
         if place % 2 == 1 && !point.groups[4].is_empty() {
@@ -60,7 +60,7 @@ impl Case {
         all
     }
 
-    /// Mass matrix, force, right sides, rates if they are a formula, outputs: what SymPy is given.
+    /// Mass matrix, force, right sides, rates if they are a formula, and outputs, as passed to SymPy.
     pub fn sides(&self, point: &Point) -> Vec<Vec<f64>> {
         let form = &self.form;
         let names = [
@@ -100,7 +100,7 @@ impl Case {
         all
     }
 
-    /// The functions that emitted code has, in the order of [`Point::expected`].
+    /// The functions in emitted code, in the order of [`Point::expected`].
     pub fn functions(&self) -> Vec<&'static str> {
         let rates = if self.discovery.discrete {
             "next"
@@ -162,7 +162,7 @@ impl Point {
         let unsolved = || form.rates.iter().map(|r| rate(r, x, &q)).collect();
         let mut rates = form.rates_at(t, x, u, p, h).unwrap_or_else(unsolved);
         if !form.coupled() {
-            // The solve spreads a NaN over all unknowns; explicit equations keep it for themselves.
+            // A linear solve spreads a NaN over all unknowns; explicit equations do not.
             let own: Vec<f64> = form.rows.iter().map(|r| r.right.eval(&at)).collect();
             rates = form.rates.iter().map(|r| rate(r, x, &own)).collect();
         }
@@ -187,7 +187,7 @@ fn rate(r: &Rate, x: &[f64], q: &[f64]) -> f64 {
     }
 }
 
-/// ∂(rates)/∂`by` where M · ∂q/∂s = ∂right/∂s, all of it as one dense system, row by row.
+/// ∂(rates)/∂`by` from M · ∂q/∂s = ∂right/∂s, solved as one dense system, row by row.
 fn slopes(form: &Form, by: &[Signal], with_q: &impl Fn(Signal) -> f64) -> Vec<f64> {
     let n = form.rows.len();
     let mass = form.mass(with_q);
@@ -214,9 +214,9 @@ fn slopes(form: &Form, by: &[Signal], with_q: &impl Fn(Signal) -> f64) -> Vec<f6
     out
 }
 
-/// Compares what a language printed, one line a case, point and function, entries apart by spaces.
+/// Compares what a language printed: one line per case, point and function, with entries separated by blanks.
 ///
-/// Where ours is not finite, theirs has to be so somewhere; everywhere, if the equations are explicit.
+/// If one of our values is not finite, some of theirs must not be either; for explicit equations exactly the same ones.
 pub fn compare(language: &str, cases: &[Case], printed: &str) {
     let mut lines = printed.lines();
     for (k, case) in cases.iter().enumerate() {
@@ -250,7 +250,7 @@ pub fn check(got: &[f64], expected: &[f64], explicit: bool, place: &impl Fn() ->
     check_to(1e-12, got, expected, place);
 }
 
-/// Finite numbers to a part of their size, or of one.
+/// Compares finite numbers up to a tolerance relative to their size or to one.
 pub fn check_to(part: f64, got: &[f64], expected: &[f64], place: &impl Fn() -> String) {
     for (a, b) in got.iter().zip(expected) {
         let near = (a - b).abs() <= part * (1.0 + b.abs());

@@ -1,4 +1,4 @@
-//! Targets that other systems calculate with, run there: JAX, CasADi, and readers of SBML, Modelica and Julia.
+//! Targets for other modelling systems, run or parsed there: JAX, CasADi, SBML, Modelica and Julia.
 
 use std::fs;
 use std::process::Command;
@@ -8,7 +8,7 @@ use super::reference::{Case, check_to, compare, number};
 use sidc_emit as emit;
 use sidc_testing::runtimes::{self, finished};
 
-/// Runs one script of Python on a file for each case, and the points of each: `[t, groups…]`.
+/// Runs a Python script on a file for each case, with the points of each: `[t, groups…]`.
 fn run_all(
     modules: &str,
     target: &str,
@@ -43,7 +43,7 @@ fn run_all(
     Some(finished(command.env("JAX_PLATFORMS", "cpu")))
 }
 
-/// The cases that a target takes.
+/// The cases that a target supports.
 fn taken(target: &str) -> Vec<Case> {
     let target = emit::target(target).unwrap();
     let all = cases().into_iter();
@@ -78,7 +78,7 @@ def show(name, points, functions):
 
 #[test]
 fn jax_agrees_with_the_evaluator() {
-    // Compiling each takes JAX a second.
+    // JAX takes a second to compile each case.
     let cases: Vec<Case> = cases().into_iter().step_by(5).collect();
     let script = format!("{SHOWN}{JAX}");
     if let Some(printed) = run_all("jax", "jax", "py", &cases, &script) {
@@ -133,7 +133,7 @@ def show(name, points, functions):
         numbers([r[x + \"'\"] for x in states])
 ";
 
-/// Rates alone: a simulator takes its own Jacobian. What libroadrunner makes of NaN in `min` and `max` is its own.
+/// Compares only rates, since a simulator computes its own Jacobian. libroadrunner treats NaN in `min` and `max` in its own way.
 #[test]
 fn sbml_agrees_with_the_evaluator() {
     let dynamic = |c: &Case| !c.form.rows.is_empty();
@@ -181,7 +181,7 @@ def show(name, points, functions):
         numbers(found.full().reshape(-1)[:len(state)] if solved else [nan] * len(state))
 ";
 
-/// The equations as Modelica understands them, solved for the rates.
+/// The equations as Modelica parses them, solved for the rates.
 #[test]
 fn modelica_agrees_with_the_evaluator() {
     // pymoca has no inverse trigonometric functions.
@@ -202,7 +202,7 @@ fn modelica_agrees_with_the_evaluator() {
     }
 }
 
-/// Lines of rates, one a case and point; those that are not finite are not compared.
+/// Compares lines of rates, one per case and point, if they are finite.
 fn compare_rates(language: &str, cases: &[Case], printed: &str) {
     let mut lines = printed.lines();
     let mut compared = 0;
@@ -237,7 +237,7 @@ def show(name, points, functions):
     print(name, wrong(root) if root.has_error else False)
 ";
 
-/// Julia is not run: its grammar reads every file.
+/// Julia is not run, but its grammar must parse every file.
 #[test]
 fn julia_is_well_formed() {
     let cases = taken("julia");

@@ -1,9 +1,9 @@
-//! One corpus of names and texts that are code somewhere, and a system that has them all.
+//! A corpus of names and texts that are code in some language, and a system that uses them all.
 
 use sidc_system::discovery::Discovery;
 use sidc_system::result;
 
-/// Names that the language admits: words of every target, names of the code around them, letters that look or count alike.
+/// Names that the language allows: keywords of every target, names in generated code, letters that look alike.
 pub const NAMES: &[&str] = &[
     // Rust, C, Python, MATLAB, JavaScript.
     "type",
@@ -62,7 +62,7 @@ pub const NAMES: &[&str] = &[
     "var",
     "let_",
     "undefined",
-    // What emitted code calls its own.
+    // Names used in generated code.
     "rates",
     "jacobian",
     "jacobian_input",
@@ -91,7 +91,7 @@ pub const NAMES: &[&str] = &[
     "Symbol",
     "Function",
     "e",
-    // Letters beyond ASCII, names that differ by case or look alike.
+    // Letters beyond ASCII, and names that differ only by case or look alike.
     "θ",
     "Ω",
     "λ",
@@ -111,7 +111,7 @@ pub const NAMES: &[&str] = &[
     "ſ",
 ];
 
-/// Titles and texts that nobody can trust.
+/// Hostile titles and texts.
 pub const TEXTS: &[&str] = &[
     "*/ int main(void) { return 1; } /*",
     "\"\"\"\nimport os\n'''",
@@ -128,7 +128,7 @@ pub const TEXTS: &[&str] = &[
     "🙂 👩‍👩‍👧 ﷽",
 ];
 
-/// A system whose signals have all these names, and whose title is all these texts.
+/// A system whose signals have all these names and whose title contains all these texts.
 pub fn system() -> Discovery {
     let long = "n".repeat(300);
     let (longer, other) = (format!("{long}a"), format!("{long}b"));

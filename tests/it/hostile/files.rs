@@ -1,4 +1,4 @@
-//! Files that are no models, tables or results, given to every command that reads: refused with the place, the cause and a way out.
+//! Files that are not models, tables or results, given to every command that reads files: they are rejected with place, cause and remedy.
 
 use std::fs::File;
 use std::path::Path;
@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::{MODEL, decay, run};
 
-/// A folder with a model, a table and a result that are as they should be.
+/// A folder with a valid model, table and result.
 fn workshop() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("m.sid"), MODEL).unwrap();
@@ -17,7 +17,7 @@ fn workshop() -> tempfile::TempDir {
     folder
 }
 
-/// Every command that reads a table, with the table's name in its place.
+/// Every command that reads a table; `@` stands for its name.
 const TABLES: [&[&str]; 6] = [
     &["check", "m.sid", "@"],
     &["new", "@"],
@@ -84,7 +84,7 @@ fn what_is_no_file_is_not_opened() {
     }
 }
 
-/// Root may read everything.
+/// Not checked for root, who may read everything.
 #[test]
 fn a_file_without_permission_is_named() {
     use std::os::unix::fs::PermissionsExt;
@@ -188,7 +188,7 @@ fn tables_that_are_none_are_refused_by_every_command() {
         std::fs::write(folder.path().join(&file), bytes).unwrap();
         refused_by(&TABLES, folder.path(), &file, words);
     }
-    // A first model leaves such a column out; all others need it.
+    // A first model omits such a column; all other commands need it.
     let mixed = text.replace(',', ";").replacen('.', ",", 1);
     std::fs::write(folder.path().join("comma.csv"), mixed).unwrap();
     let words = ["error[decimal-comma]", "row 1 (line 2)"];
@@ -209,7 +209,7 @@ fn tables_that_are_none_are_refused_by_every_command() {
     );
 }
 
-/// Times that no clock has; nothing of them is a reason to end without words.
+/// Times that no clock produces must not end the program without a message.
 #[test]
 fn strange_numbers_are_read_as_they_are() {
     let folder = workshop();
@@ -314,7 +314,7 @@ fn results_that_are_none_are_refused_by_every_command() {
     );
 }
 
-/// Every pair of columns is looked at for a first model, and states take each other's squares to estimate.
+/// A first model compares every pair of columns, and states are estimated with each other's squares.
 #[test]
 fn a_table_of_thousands_of_columns_is_drafted_and_checked_in_time() {
     let folder = tempfile::tempdir().unwrap();
@@ -342,7 +342,7 @@ fn a_table_of_thousands_of_columns_is_drafted_and_checked_in_time() {
     run(folder.path(), &["check", "w.sid", "t.csv"]).ended("check with data", 0);
 }
 
-/// While somebody makes and removes the table, a run reads it or says that it is not there.
+/// While the table is being created and deleted, a run either reads it or reports that it is missing.
 #[test]
 fn a_file_that_comes_and_goes_is_read_or_missed() {
     let folder = workshop();
@@ -359,7 +359,7 @@ fn a_file_that_comes_and_goes_is_read_or_missed() {
         for _ in 0..30 {
             let ran = run(folder.path(), &["check", "m.sid", "t.csv"]);
             match ran.status {
-                // Between two writes it is there and empty, or has fewer rows.
+                // Between two writes the file may be empty or incomplete.
                 0 => assert!(ran.stdout.contains("rows from t.csv"), "{}", ran.stdout),
                 _ => ran.refused("comes and goes", 1, &["error["]),
             }
@@ -368,7 +368,7 @@ fn a_file_that_comes_and_goes_is_read_or_missed() {
     });
 }
 
-/// It is a file to those who ask, and gives nothing to those who read.
+/// `stat` shows a regular file, but reading it fails.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_file_that_cannot_be_read_midway_is_named() {

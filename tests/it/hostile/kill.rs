@@ -1,4 +1,4 @@
-//! Kills while files are written: the file is the old one or the new one, whole, and all that is left over is hidden.
+//! Kills while files are written: the file is the complete old or new one, and all leftovers are hidden.
 
 use std::path::Path;
 use std::process::{Child, Command};
@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::{MODEL, finished, run, started};
 
-/// What writes which file, over what was there before.
+/// A command, the file that it writes, and that file's previous content.
 struct Job {
     args: &'static [&'static str],
     file: &'static str,
@@ -72,7 +72,7 @@ fn hidden(folder: &Path) -> Vec<String> {
     names.filter(|n| n.starts_with(".sidc-")).collect()
 }
 
-/// Nothing is in the folder but what belongs there, and hidden files that a kill left.
+/// The folder has only the expected files, and hidden ones left by a kill.
 fn no_litter(folder: &Path, file: &str) {
     let known = ["m.sid", "t.csv", "R.json", ".stdout", ".stderr", file];
     for entry in std::fs::read_dir(folder).unwrap().flatten() {
@@ -97,7 +97,7 @@ fn writing(child: &mut Child, folder: &Path) -> bool {
     }
 }
 
-/// Runs a job to its end; what it writes, and how long it takes.
+/// Runs a job to its end. Returns what it writes, and how long it takes.
 fn whole(job: &Job, folder: &Path) -> (String, Duration) {
     let path = folder.join(job.file);
     std::fs::write(&path, &job.old).unwrap();
@@ -127,7 +127,7 @@ fn a_kill_leaves_the_old_file_or_the_new_one() {
     let (mut midway, mut rounds) = (0, 0);
     for job in jobs() {
         let (new, takes) = whole(&job, folder.path());
-        // Parts of the time that a run takes, and the moment the file is there.
+        // Fractions of the run's time, and the moment when the temporary file appears.
         for part in [0.3, 0.8, 1.0, f64::INFINITY, f64::INFINITY] {
             std::fs::write(folder.path().join(job.file), &job.old).unwrap();
             let mut child = started(folder.path(), job.args);
@@ -153,7 +153,7 @@ fn a_kill_leaves_the_old_file_or_the_new_one() {
     );
 }
 
-/// Ctrl-C while the file is written waits until it is there: nothing is left over at all.
+/// Ctrl-C while the file is being written takes effect afterwards, so nothing is left over.
 #[test]
 fn ctrl_c_leaves_the_old_file_or_the_new_one_and_nothing_else() {
     let folder = workshop();
@@ -169,7 +169,7 @@ fn ctrl_c_leaves_the_old_file_or_the_new_one_and_nothing_else() {
                 }
             }
             let pid = child.id().to_string();
-            // It may have ended already, which is no fault.
+            // The child may already have ended.
             let _ = Command::new("kill").args(["-INT", &pid]).output();
             let ran = finished(child, folder.path());
             let known = [0, 1, 3, 130, -2];
@@ -179,7 +179,7 @@ fn ctrl_c_leaves_the_old_file_or_the_new_one_and_nothing_else() {
                 ran.status,
                 ran.stderr
             );
-            // A document that says so is another new file.
+            // An interrupted run writes another document.
             let interrupted = job.args[0] == "identify" && ran.stderr.contains("interrupted");
             let cut = job.args[0] == "simulate" || job.args[0] == "report";
             if !interrupted && !cut {

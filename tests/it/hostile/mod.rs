@@ -1,7 +1,7 @@
 //! The built program under attack: hostile files and models, kills, Ctrl-C, names that are code elsewhere.
 //!
-//! Every child runs under a limit of memory and is killed after a time that no honest run takes; what is asserted is its status, its
-//! words, and how much memory it touched. docs/robustness.md says the same in words.
+//! Every child has a memory limit and is killed after a time that no normal run needs. Tests check its status, its messages, and how much memory it touched.
+//! See docs/robustness.md.
 
 pub mod corpus;
 #[cfg(unix)]
@@ -25,21 +25,21 @@ use std::time::{Duration, Instant};
 
 use sidc_testing::hang::HANGS;
 
-/// Address space of a child, kB: threads reserve much of it and touch little.
+/// Address space of a child, kB. Threads reserve much of it and touch little.
 const SPACE: u64 = 3_000_000;
 
-/// What came of a run.
+/// The outcome of a run.
 pub struct Ran {
-    /// Exit status; minus the signal that ended it.
+    /// Exit status, or minus the signal that ended it.
     pub status: i32,
     pub stdout: String,
     pub stderr: String,
-    /// Most memory touched, MB; 0 where nobody can say.
+    /// Peak of memory touched, MB; 0 if unknown.
     pub peak: u64,
 }
 
 impl Ran {
-    /// Refused with this status and these words, in little memory and few words.
+    /// Checks that the run was rejected with this status and these words, with little memory and output.
     pub fn refused(&self, what: &str, status: i32, words: &[&str]) {
         self.ended(what, status);
         for word in words {
@@ -53,7 +53,7 @@ impl Ran {
         assert!(bytes < 60_000, "{what}: {bytes} bytes of message");
     }
 
-    /// Ended with this status and within bounds.
+    /// Checks that the run ended with this status and within bounds.
     pub fn ended(&self, what: &str, status: i32) {
         let head: String = self.stderr.chars().take(2000).collect();
         assert_eq!(self.status, status, "{what}:\n{head}");
@@ -62,7 +62,7 @@ impl Ran {
     }
 }
 
-/// A run of `sidc` in `folder`, not waited for. Its words go to files, so that no pipe holds it up.
+/// Starts `sidc` in `folder` without waiting. Its output goes to files, so that no pipe can block it.
 pub fn started(folder: &Path, args: &[&str]) -> Child {
     let file = |name: &str| File::create(folder.join(name)).unwrap();
     Command::new("sh")
@@ -126,7 +126,7 @@ fn code(status: std::process::ExitStatus) -> i32 {
     status.code().unwrap_or(-1000)
 }
 
-/// Most memory that a process touched so far, MB, as Linux counts it.
+/// Peak of memory that a process has touched, MB, as Linux counts it.
 fn touched(child: &Child) -> u64 {
     let status = std::fs::read_to_string(format!("/proc/{}/status", child.id()));
     let status = status.unwrap_or_default();

@@ -1,13 +1,13 @@
-//! Models that nobody could mean: sizes, depths and characters, through `check` and `fmt` of the built program.
+//! Absurd models: sizes, depths and characters, through `check` and `fmt` of the built program.
 
 use super::{Ran, run};
 
-/// `a` so many times.
+/// `a` repeated `n` times.
 fn times(a: &str, n: usize) -> String {
     a.repeat(n)
 }
 
-/// A part of a model nested so deep.
+/// A part of a model nested `n` levels deep.
 fn nested(open: &str, inside: &str, close: &str, n: usize) -> String {
     format!("{}{inside}{}", times(open, n), times(close, n))
 }
@@ -16,7 +16,7 @@ fn law(right: impl std::fmt::Display) -> String {
     format!("state x, a\ndx ~ {right}\n")
 }
 
-/// Checks and formats a model; what `check` said.
+/// Runs `check` and `fmt` on a model.
 fn both(name: &str, text: impl AsRef<[u8]>) -> (Ran, Ran) {
     let folder = tempfile::tempdir().unwrap();
     let model = folder.path().join("m.sid");
@@ -304,7 +304,7 @@ fn bytes_that_are_no_text_are_named() {
     ] {
         both(name, text).0.ended(name, 0);
     }
-    // What nobody sees is shown by its number, and does not turn the terminal around.
+    // Invisible characters are shown by their numbers and do not affect the terminal.
     for c in ['\u{202e}', '\u{200d}', '\u{ad}', '\u{2028}', '\u{1b}'] {
         let (said, _) = both("unseen", format!("state x{c}\ndx ~ <x>\n"));
         said.refused(

@@ -1,6 +1,6 @@
-//! Names that are code somewhere: as signals, columns, files, units and titles, through everything that is written of them.
+//! Names that are code somewhere, used as signals, columns, files, units and titles, in all outputs.
 //!
-//! Emitted programs are compiled and run in tests/it/emit, a language at once.
+//! tests/it/emit compiles and runs emitted programs, language by language.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -10,7 +10,7 @@ use super::corpus::{NAMES, TEXTS};
 use super::{Ran, run};
 use sidc_testing::runtimes;
 
-/// What steers a terminal, or turns text around unseen.
+/// Characters that control a terminal or change the direction of text.
 fn unseen(text: &str) -> Option<char> {
     let turns = |c: char| matches!(c, '\u{200b}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}');
     text.chars()
@@ -49,7 +49,7 @@ fn a_table_of_hostile_headers_makes_a_model_that_checks() {
     let drafted = run(folder.path(), &["new", "t.csv", "-o", "m.sid"]);
     drafted.ended("new", 0);
     let model = std::fs::read_to_string(folder.path().join("m.sid")).unwrap();
-    // Headers stand there as they are, but for those that would steer a terminal.
+    // Headers are copied literally, except for control characters.
     let steers = |c: char| c.is_control() && c != '\n';
     assert_eq!(model.chars().find(|c| steers(*c)), None, "{model}");
     let checked = run(folder.path(), &["check", "m.sid", "t.csv"]);
@@ -57,7 +57,7 @@ fn a_table_of_hostile_headers_makes_a_model_that_checks() {
     shown("check", &checked);
 }
 
-/// The names of all tags and of all their attributes. Whatever is not well formed is reported as one.
+/// The names of all tags and attributes. Malformed markup is reported as a name.
 fn markup(page: &str) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     let mut rest = page;
@@ -89,7 +89,7 @@ fn markup(page: &str) -> BTreeSet<String> {
                 }
             };
         }
-        // What is in these is no markup.
+        // The content of these elements is not markup.
         for raw in ["script", "style"] {
             if name == raw {
                 let close = format!("</{raw}>");
@@ -109,7 +109,7 @@ fn end_of_tag(text: &str) -> Option<usize> {
     })
 }
 
-/// Units that the language admits, of those that are code elsewhere.
+/// Units that the language allows, among those that are code elsewhere.
 fn units(folder: &Path) -> Vec<&'static str> {
     let all = [
         "%",
@@ -142,7 +142,7 @@ fn units(folder: &Path) -> Vec<&'static str> {
     all.into_iter().filter(admitted).collect()
 }
 
-/// A model, a table and everything that is made of them, with these names of columns, files and units.
+/// A model, a table and all their outputs, with these names of columns, files and units.
 fn all_outputs(
     columns: [&str; 2],
     files: [&str; 2],
@@ -226,7 +226,7 @@ fn hostile_files_and_columns_stay_text_in_every_output() {
     let names = [["e", "θ"], ["class", "𝑥"], ["int", "名"], ["type", "ع"]];
     for (k, text) in texts.iter().enumerate() {
         let column = text.replace('"', "'");
-        // A folder takes any name without a slash, up to 255 bytes.
+        // A file name may have any character except a slash, up to 255 bytes.
         let file = format!("f {}", text.replace('/', "∕"));
         let (table, model) = (format!("{file}.csv"), format!("{file}.sid"));
         let unit = units[k % units.len()];
@@ -253,7 +253,7 @@ fn hostile_files_and_columns_stay_text_in_every_output() {
     }
 }
 
-/// The LaTeX of a result compiles, and opens no file; one is enough to see it here, the rest is in tests/it/emit.
+/// The LaTeX of a result compiles and opens no file. One is checked here, the others in tests/it/emit.
 fn latex(folder: &Path, compile: bool) {
     let ran = run(
         folder,
@@ -280,7 +280,7 @@ fn latex(folder: &Path, compile: bool) {
     }
 }
 
-/// The one output that a shell runs.
+/// Completion scripts are the only output that a shell runs.
 #[test]
 fn completions_are_scripts() {
     let folder = tempfile::tempdir().unwrap();
@@ -301,7 +301,7 @@ fn completions_are_scripts() {
     }
 }
 
-/// What packages put into share/man.
+/// Manual pages for packages.
 #[test]
 fn every_command_has_a_manual_page() {
     let folder = tempfile::tempdir().unwrap();

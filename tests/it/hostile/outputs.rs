@@ -1,4 +1,4 @@
-//! Places to write to that are no plain file: links, rights, folders, full disks.
+//! Outputs that are not plain files: links, permissions, folders, full disks.
 
 use std::fs::Permissions;
 use std::os::unix::fs::{PermissionsExt, symlink};
@@ -59,7 +59,7 @@ fn where_nothing_can_be_written_the_place_is_named() {
     }
 }
 
-/// Standard output is a file like any other.
+/// Writing to standard output can fail like writing to a file.
 #[test]
 fn a_full_disk_behind_standard_output_is_a_fault() {
     let folder = tempfile::tempdir().unwrap();
@@ -75,7 +75,7 @@ fn a_full_disk_behind_standard_output_is_a_fault() {
     assert!(said.contains("error[unwritable-file]: stdout"), "{said}");
 }
 
-/// Whatever name the output goes by: no command writes over what it reads.
+/// No command overwrites its own input, under whatever name.
 #[test]
 fn nothing_that_is_read_is_written_over() {
     let folder = tempfile::tempdir().unwrap();
@@ -131,7 +131,7 @@ fn a_link_that_leads_nowhere_stays() {
     }
 }
 
-/// What took long to find is printed though it cannot be kept.
+/// An answer that took long to find is printed even if it cannot be saved.
 #[test]
 fn equations_are_printed_though_the_disk_is_full() {
     let folder = tempfile::tempdir().unwrap();

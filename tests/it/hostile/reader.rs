@@ -1,4 +1,4 @@
-//! The reader of tables on inputs without end: it stops where a limit says so, having taken no more.
+//! The reader of tables on endless inputs: it stops at a limit without reading further.
 
 use std::io::{self, Read};
 
@@ -6,7 +6,7 @@ use sidc_data as data;
 use sidc_data::Limits;
 use sidc_lang::source::Sources;
 
-/// Counts what is taken of a reader; fails after `fails` bytes.
+/// Counts the bytes read from a reader; fails after `fails` bytes.
 struct Counted<R> {
     inner: R,
     taken: u64,
@@ -24,7 +24,7 @@ impl<R: Read> Read for Counted<R> {
     }
 }
 
-/// The codes and messages of the refusal, and how much was read.
+/// The codes and messages of the rejection, and how much was read.
 fn refused(inner: impl Read, fails: u64, limits: &Limits) -> (String, u64) {
     let mut reader = Counted {
         inner,
@@ -65,7 +65,7 @@ fn zeros_without_end_are_known_by_the_first() {
         "{said}"
     );
     assert!(taken <= 1 << 17, "{taken}");
-    // Deep in a file too.
+    // Also deep inside a file.
     let text = b"t,x\n"
         .chain(io::repeat(b'\n').take(1 << 20))
         .chain(io::repeat(0));
@@ -77,7 +77,7 @@ fn zeros_without_end_are_known_by_the_first() {
     assert!(taken < 1 << 21, "{taken}");
 }
 
-/// Lines without end.
+/// Endless lines.
 struct Rows(usize);
 
 impl Read for Rows {
@@ -116,7 +116,7 @@ fn a_file_beyond_its_limit_is_left_there() {
         "{said}"
     );
     assert!(taken <= (1 << 20) + (1 << 17), "{taken}");
-    // The text and the numbers together: 5 bytes and 32 a row.
+    // Text and numbers together take 5 and 32 bytes per row.
     let rows = b"t,x\n".chain(Rows(0).take(400_000));
     let (said, _) = refused(rows, u64::MAX, &little);
     assert!(
@@ -142,7 +142,7 @@ fn rows_of(text: &str) -> Result<(Vec<String>, usize, Vec<usize>), String> {
     Ok((table.headers().to_vec(), table.len(), lines))
 }
 
-/// Whatever ends lines, mixed or not, the table is the same, and so are the numbers of its lines.
+/// Any line ends, mixed or not, give the same table with the same line numbers.
 #[test]
 fn all_line_ends_make_the_same_table() {
     let lines = ["# made by hand", "t,x", "0,1", "", "1,2", "2,3"];
@@ -156,7 +156,7 @@ fn all_line_ends_make_the_same_table() {
     ] {
         let mut text = String::new();
         for (line, end) in lines.iter().zip(ends.iter().cycle()) {
-            // LF after CR would be one end.
+            // CR followed by LF would be a single line end.
             let end = if text.ends_with('\r') && line.is_empty() && *end == "\n" {
                 "\r"
             } else {

@@ -1,4 +1,4 @@
-//! Ctrl-C at every stage: the run ends soon, with the status that the manual says, and what it writes is whole.
+//! Ctrl-C at every stage: the run ends soon, with the documented status, and its outputs are complete.
 
 use std::path::Path;
 use std::process::{Child, Command};
@@ -10,7 +10,7 @@ use super::{MODEL, Ran, decay, finished, started};
 
 const SIGINT: u64 = 1 << 1;
 
-/// Whether the child hears Ctrl-C by itself, or ignores it as in the background of a shell.
+/// Whether SIGINT is in one of the child's signal masks, of handled or of ignored signals.
 fn signals(child: &Child, name: &str) -> bool {
     let status = std::fs::read_to_string(format!("/proc/{}/status", child.id()));
     let status = status.unwrap_or_default();
@@ -28,8 +28,7 @@ fn wait_until(child: &mut Child, what: &str, mut there: impl FnMut(&mut Child) -
     }
 }
 
-/// Runs until a line with this mark is on standard error, or, without one, until it listens; then Ctrl-C. `None` where Ctrl-C is
-/// ignored.
+/// Runs until this mark is on standard error, or without one until the child handles Ctrl-C, then sends Ctrl-C. `None` if Ctrl-C is ignored.
 fn interrupted(folder: &Path, args: &[&str], mark: Option<&str>, listens: bool) -> Option<Ran> {
     let mut child = started(folder, args);
     if let Some(mark) = mark {
@@ -39,7 +38,7 @@ fn interrupted(folder: &Path, args: &[&str], mark: Option<&str>, listens: bool) 
         });
     }
     if listens {
-        // The shell before it may listen too.
+        // The shell that starts it may handle the signal too.
         let name = format!("/proc/{}/comm", child.id());
         let own = || std::fs::read_to_string(&name).is_ok_and(|n| n.trim() == "sidc");
         wait_until(&mut child, "listening", |c| {
@@ -59,7 +58,7 @@ fn interrupted(folder: &Path, args: &[&str], mark: Option<&str>, listens: bool) 
     Some(finished(child, folder))
 }
 
-/// Codes of all reasons in a document, and whether it has everything that a document has.
+/// Codes of all reasons in a document. Also checks that the document is complete.
 fn reasons(text: &str) -> Vec<String> {
     let d: serde_json::Value = serde_json::from_str(text).unwrap_or_else(|e| panic!("{e}: {text}"));
     assert_eq!(d["sidc_result"], 1);
@@ -71,7 +70,7 @@ fn reasons(text: &str) -> Vec<String> {
         .collect()
 }
 
-/// A noisy Lorenz-like record: long work for the joint estimate.
+/// A noisy Lorenz-like record, which makes the joint estimate slow.
 fn noisy(rows: usize) -> String {
     let (mut x, mut y, mut z) = (1.0, 1.0, 20.0);
     let mut state: u64 = 1;
@@ -120,7 +119,7 @@ fn while_files_are_read_nothing_was_begun() {
     let Some(ran) = interrupted(folder.path(), &IDENTIFY, Some("compiled"), false) else {
         return;
     };
-    // As every program that Ctrl-C ends; shells say 130.
+    // The signal ends the process, as in any program; shells report 130.
     assert_eq!(ran.status, -2, "{}", ran.stderr);
     assert_eq!(
         (ran.stdout.as_str(), result(folder.path()).as_str()),
@@ -182,7 +181,7 @@ fn every_stage_of_the_regression_hears_it() {
             assert!(ran.stdout.contains(doubt_unassessed), "{}", ran.stdout);
         }
     }
-    // All there is has been found: it is written.
+    // Everything has been found by then, so it is written.
     std::fs::write(folder.path().join("R.json"), "before\n").unwrap();
     if let Some(ran) = interrupted(folder.path(), &IDENTIFY, Some("evidence weighed"), true) {
         ran.ended("writing", 0);

@@ -1,4 +1,4 @@
-//! Texts with one more state: they say what they should, and they compile.
+//! Model texts with one more state have the intended meaning and compile.
 
 use sidc_lang::added_state::{AddedState, behind_lag, behind_sensor, driven_by_state};
 use sidc_lang::model::Model;
@@ -14,7 +14,7 @@ fn place(model: &Model, name: &str) -> VarId {
     VarId(found.unwrap() as u16)
 }
 
-/// The longer text compiles, and keeps the places of all variables.
+/// Checks that the longer text compiles and keeps the indices of all variables.
 fn sound(before: &str, added: Option<AddedState>) -> AddedState {
     let added = added.unwrap();
     let (before, after) = (compiled(before), compiled(&added.text));

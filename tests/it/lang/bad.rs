@@ -1,4 +1,4 @@
-//! One wrong model a file in tests/bad, with what its author gets to read beside it.
+//! One wrong model per file in tests/bad, with the message that its author reads.
 //!
 //! A new code needs a file there and a line in docs/diagnostics.md.
 

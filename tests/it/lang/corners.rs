@@ -1,4 +1,4 @@
-//! Where one rule ends and the next begins: names that look like others, limits to the last one, faults that follow from faults.
+//! Boundaries between rules: names that look like others, limits, and errors that follow from errors.
 
 use sidc_lang::model::{LibExpr, LibKind, Model, RightSide};
 use sidc_lang::sensor_noise::SensorNoise;
@@ -62,7 +62,7 @@ fn a_word_about_samples_in_a_let_makes_the_model_one_about_samples() {
     );
     assert!(errors("state x\nnext(x) ~ <x'>\n").contains(&"mixed-time"));
     assert!(errors("state aax\nnext(aax) ~ <ddaax>\n").contains(&"mixed-time"));
-    // A letter before a name does not make it a derivative of the rest.
+    // A letter before a name does not make it a derivative of that name.
     assert_eq!(
         errors("state x\nnext(x) ~ <dax>\n"),
         ["unknown-signal"],
@@ -89,7 +89,7 @@ fn lets_are_numbers_only_if_all_of_them_is() {
     }
 }
 
-/// `let s = x + y` is a set of two where sets stand, and one number where numbers do.
+/// `let s = x + y` is a set of two terms where a set is expected, and a sum where a number is.
 #[test]
 fn a_let_is_what_its_place_makes_of_it() {
     let m = model("state x, y\nlet s = x + y\ndx ~ s\n");
@@ -103,7 +103,7 @@ fn a_let_is_what_its_place_makes_of_it() {
         panic!("{m:?}");
     };
     assert_eq!(items.len(), 1);
-    // One term by name is one term: a number less it is arithmetic in the wrong place.
+    // A named single term stays a term: subtracting it from a number is arithmetic in the wrong place.
     let text = "state x\nlet p = x^2\ndx ~ 1 - p\n";
     assert_eq!(errors(text), ["difference-removes-nothing"]);
 }
@@ -114,11 +114,11 @@ fn what_was_wrong_above_is_not_wrong_again() {
         let text = format!("state x\n{wrong}\ndata {{ x = \"X\" * k }}\ndx ~ <x>\n");
         assert_eq!(errors(&text).len(), 1, "{}", said(&text));
     }
-    // An order in brackets declares the name all the same.
+    // An order in brackets is an error, but it declares the name.
     let text = "state y(2)\nddy ~ poly(y, dy; 2)\n";
     assert_eq!(errors(text), ["syntax"]);
     assert!(said(text).contains("`state y : order 2`"), "{}", said(text));
-    // Units are not weighed in a model that has other faults.
+    // Units are not checked in a model with other errors.
     let units = "state x : unit \"m\"\ninput u : unit \"s\"\n";
     for fault in ["let k = = 3", "let k = zz"] {
         let text = format!("{units}{fault}\ndx ~ <x + u>\n");
@@ -182,7 +182,7 @@ fn the_version_is_late_only_behind_something() {
     assert!(!errors(first).contains(&"version-line"));
 }
 
-/// The last of what is allowed is allowed, the first beyond is not.
+/// The last allowed value is accepted, the first one beyond it is not.
 #[test]
 fn limits_hold_to_the_last_one() {
     let repeated = |n: usize, part: &str| vec![part; n].join("");

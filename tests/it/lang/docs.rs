@@ -1,10 +1,10 @@
-//! The examples of the reference are models: those fenced `sid` are right, those fenced `sid-error` are not.
+//! The examples of the reference are models: those fenced `sid` compile, those fenced `sid-error` do not.
 //!
-//! All of them are laid out as `sidc fmt` does it.
+//! All have the layout of `sidc fmt`.
 
 use super::compiled;
 
-/// The fenced blocks of one kind, with the line each begins on.
+/// The fenced blocks of one kind, with their first line numbers.
 fn blocks(text: &str, fence: &str) -> Vec<(usize, String)> {
     let opening = format!("```{fence}");
     let mut out = Vec::new();

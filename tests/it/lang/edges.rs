@@ -1,4 +1,4 @@
-//! Rare forms of every statement: what they mean, and what is said of those that mean nothing.
+//! Rare forms of every statement: their meaning, or the message if they have none.
 
 use sidc_lang::model::{ColumnKind, Relation, VarKind};
 use sidc_lang::sensor_noise::SensorNoise;
@@ -13,7 +13,7 @@ fn says(text: &str, words: &[&str]) {
     }
 }
 
-/// Attributes may use numbers that are defined below them, by whatever arithmetic.
+/// Attributes may use numbers that are defined further down, with any arithmetic.
 #[test]
 fn numbers_are_known_before_anything_else() {
     let m = model(
@@ -31,7 +31,7 @@ fn numbers_are_known_before_anything_else() {
     );
     let shown = format!("{:?}", m.data);
     assert!(shown.contains("Number(5.0)"), "{shown}");
-    // A number that uses another is one too, in the order of the lines.
+    // A number that uses another must be defined after it.
     says(
         "state x : noise b\nlet b = 2*a\nlet a = 1\ndx ~ <x>\n",
         &["let-order"],
@@ -132,7 +132,6 @@ fn of_many_names_in_scope_some_are_shown() {
     assert!(scope(13).contains("x12, dx12, …"), "{}", scope(13));
 }
 
-/// What stands alone in a sum is a library; a number taken from, or less, a term is meant as arithmetic.
 #[test]
 fn shifts_take_one_name() {
     let discrete = |body: &str| format!("state x\ninput u\nlet e = x + u\nnext x ~ <x, {body}>\n");
@@ -151,7 +150,7 @@ fn shifts_take_one_name() {
     says(&discrete("lag(u, 1.5)"), &["a lag of 1.5 samples"]);
 }
 
-/// One entry with an open bracket does not swallow the next.
+/// An entry with an open bracket does not swallow the next.
 #[test]
 fn entries_of_the_data_block_end_where_the_next_begins() {
     let (_, found, shown) = compiled(

@@ -1,4 +1,4 @@
-//! Families of equations: a model with them is the model in which each equation is written by hand.
+//! Families of equations mean the same as their equations written by hand.
 
 use proptest::prelude::*;
 
@@ -64,7 +64,7 @@ fn samples_keep_their_brackets_elsewhere() {
     assert!(said("state x\nx[k+1] ~ <x[k]>\n").contains("foreign-spelling"));
     let both = "state x1..x2, i\ndx[k] ~ <x[k], i>, k = 1..2\n";
     assert!(!said(both).contains("error"), "{}", said(both));
-    // One fault of a family is told once.
+    // An error in a family is reported once.
     let wrong = said("state x1..x9\ndx[k] ~ <x[k], w>, k = 1..9\n");
     assert_eq!(wrong.matches("error[").count(), 1, "{wrong}");
 }

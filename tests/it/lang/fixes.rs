@@ -1,10 +1,10 @@
-//! Fixes over every faulty model: each does what its help says, and a help that has none is listed.
+//! Fixes for every faulty model: each does what its help says, and all help texts without a fix are listed.
 
 use sidc_lang::diagnostic::{Diagnostic, Fix};
 
 use super::{compiled, texts_in};
 
-/// Files and helps that no change of the text follows: they say what to think about.
+/// Files and help texts without a fix: they tell the author what to consider.
 const WITHOUT: [&str; 9] = [
     "include: its statements may stand here instead",
     "include: write `include \"file.sid\"`",
@@ -17,8 +17,7 @@ const WITHOUT: [&str; 9] = [
     "unit_text: multiply the column in the data block, `x = \"X\" * 1e-3`, or use a prefix: \"km\"",
 ];
 
-/// File and message of mistakes that a fix uncovers: what stands in a statement that could not be read, or behind the first thing that is
-/// wrong in it, is checked when that is right.
+/// Files and messages of errors that a fix reveals. The rest of a statement is checked only after its first error is fixed.
 const UNCOVERED: [(&str, &str); 27] = [
     (
         "attribute_values",
@@ -55,13 +54,13 @@ const UNCOVERED: [(&str, &str); 27] = [
     ("names_of_several_words", "no signal named `x`"),
     ("range_names", "no signal named `x1`"),
     ("several_at_once", "a power of a power needs parentheses"),
-    // Of two names that nothing declares, one is declared.
+    // Of two undeclared names, one gets declared.
     (
         "undeclared_product",
         "coefficients are found with the equation and need no names",
     ),
     ("unit_argument", "`cos` takes a pure number, not s"),
-    // Other files are not here.
+    // Other files are not available here.
     ("foreign_words", "`motor.sid` is not at hand here"),
     ("include", "`a.sid` is not at hand here"),
     ("include", "`b.sid` is not at hand here"),
@@ -78,7 +77,7 @@ fn place(d: &Diagnostic) -> usize {
     primary.map(|l| l.span.start).min().unwrap_or(0)
 }
 
-/// Whether a diagnostic stands where another stood before a fix.
+/// Whether a diagnostic is the same as one before the fix.
 fn stays(now: &Diagnostic, before: &Diagnostic, fix: &Fix) -> bool {
     let (old, new) = (place(before), place(now));
     let end = fix.span.start + fix.text.len();
@@ -111,7 +110,7 @@ fn faults(name: &str, text: &str, found: &[Diagnostic], d: &Diagnostic, fix: &Fi
     faults
 }
 
-/// After each fix alone its message is gone, and nothing is wrong that was not wrong before.
+/// Each fix alone removes its message and adds no errors.
 #[test]
 fn every_fix_does_what_its_help_says() {
     let mut all = Vec::new();
@@ -132,7 +131,7 @@ fn every_fix_does_what_its_help_says() {
     assert!(all.is_empty(), "{}", all.join("\n----\n"));
 }
 
-/// A new help without a fix is to be noticed.
+/// A new help text without a fix must be noticed.
 #[test]
 fn helps_without_a_fix() {
     let mut all = Vec::new();
@@ -146,7 +145,7 @@ fn helps_without_a_fix() {
     assert_eq!(all, WITHOUT);
 }
 
-/// What goes takes its comma, its line and what is said of it there; what moves too.
+/// Deleting a part also deletes its comma, its line and its comment; moving it moves them too.
 #[test]
 fn surroundings_stay_whole() {
     for (before, after) in [

@@ -1,5 +1,4 @@
-//! Spellings of other languages: following the fixes of what is said gives the model that was meant; where there is no fix, the help
-//! names what is done here.
+//! Spellings of other languages: applying the fixes gives the intended model; without a fix, the help names the equivalent.
 
 use sidc_lang::compile;
 use sidc_lang::diagnostic::Diagnostic;
@@ -7,10 +6,10 @@ use sidc_lang::source::Sources;
 
 use super::{compiled, vocabulary};
 
-/// Fixes that a model takes at most.
+/// Largest number of fixes that a model needs.
 const MOST: usize = 12;
 
-/// The model after the first fix of the first error, again and again.
+/// The model after repeatedly applying the first fix of the first error.
 fn mended(text: &str) -> (String, Vec<Diagnostic>) {
     let mut text = text.to_owned();
     for _ in 0..MOST {
@@ -31,7 +30,7 @@ fn means(theirs: &str, ours: &str) {
     assert!(errors.is_empty(), "{theirs}\n{errors:?}");
 }
 
-/// A right side, of a state x of order 1 and an input u.
+/// Compares right sides, for a state x of order 1 and an input u.
 #[track_caller]
 fn right_means(theirs: &str, ours: &str) {
     let model = |right: &str| format!("state x, theta\ninput u\ndx ~ {right}\n");
@@ -131,7 +130,7 @@ fn declarations() {
             "state x\nconstrain coef(dx, x) < 0",
         ),
     ] {
-        // An unknown that no term has is a warning.
+        // An unused unknown constant is only a warning.
         means(&format!("{theirs}\n{law}"), &format!("{ours}\n{law}"));
     }
 }
@@ -163,7 +162,7 @@ fn targets() {
     means(&map("x(k+1)", "u[k]"), &map("next(x)", "u"));
 }
 
-/// What has no counterpart of one line: words of the help.
+/// Constructs without a one-line equivalent, and words of their help.
 #[test]
 fn advice() {
     let law = "dx ~ <x, x^2>\n";
@@ -208,7 +207,7 @@ fn advice() {
     }
 }
 
-/// What is said of a signal's name does not depend on words of other languages.
+/// Messages about a signal must not depend on its name being a keyword elsewhere.
 #[test]
 fn words_of_other_languages_are_names() {
     for text in [
@@ -225,7 +224,7 @@ fn words_of_other_languages_are_names() {
     }
 }
 
-/// A megabyte of signs that are never closed, or of which each would read its line again.
+/// A megabyte of opening signs, or of text in which each sign could cause its line to be read again.
 #[test]
 fn long_texts_take_no_longer_than_their_length() {
     for text in [

@@ -1,6 +1,6 @@
-//! The formatter changes white space and nothing else, and once is enough.
+//! The formatter changes only white space, and formatting twice changes nothing more.
 //!
-//! Meaning is compared as the ast without places.
+//! Meanings are compared as abstract syntax trees without positions.
 
 use sidc_lang::source::FileId;
 use sidc_lang::{format, parse};
@@ -11,7 +11,7 @@ fn formatted(text: &str) -> String {
     format(FileId(0), text).unwrap_or_else(|e| panic!("{text}\n{e:#?}"))
 }
 
-/// The ast without its places.
+/// The abstract syntax tree without positions.
 fn shape(text: &str) -> String {
     let (file, errors) = parse(FileId(0), text);
     assert!(errors.is_empty(), "{text}\n{errors:#?}");
@@ -25,7 +25,7 @@ fn shape(text: &str) -> String {
     out + rest
 }
 
-/// Everything but blanks, so that comments count too.
+/// Everything except blanks, so that comments are compared too.
 fn ink(text: &str) -> String {
     text.chars().filter(|c| !c.is_whitespace()).collect()
 }
@@ -107,7 +107,7 @@ fn a_wrong_text_is_not_formatted() {
     assert!(format(FileId(0), "dx ~ poly(x; 2").is_err());
 }
 
-/// Beside quotes a sign keeps the room that its author gave it, whatever stands between the quotes.
+/// Signs next to quotes keep the author's spacing, whatever the quotes contain.
 #[test]
 fn columns_keep_their_signs() {
     let entry = |source: &str| format!("state x\ndata {{ x = {source} }}\ndx ~ poly(x; 3)\n");

@@ -1,4 +1,4 @@
-//! Functions that a model defines: a model with them is the model in which they are written out by hand.
+//! Functions defined in a model mean the same as their bodies written by hand.
 
 use proptest::prelude::*;
 use sidc::pipeline::Program;
@@ -22,7 +22,7 @@ pub fn meaning(text: &str) -> String {
     out
 }
 
-/// The parts with fixed coefficients, without their places.
+/// The parts with fixed coefficients, without their positions.
 fn sidc_lang_known(equation: &sidc_lang::model::Equation) -> String {
     use sidc_lang::model::RightSide;
     match &equation.right {
@@ -49,7 +49,7 @@ fn a_function_is_its_expression() {
         "dx ~ <sat(x), sat(x - v), x>\ndv ~ sat(v)*u + poly(sat(x), v; 2)",
         "dx ~ <tanh(x/vs), tanh((x - v)/vs), x>\ndv ~ tanh(v/vs)*u + poly(tanh(x/vs), v; 2)",
     );
-    // An argument is one number, also outside of lists; so is what a function returns.
+    // An argument is a single number, also outside lists, and so is the value of a function.
     same(
         "let sq(a) = a^2\nlet sum(a, b) = a + b",
         "dx ~ sq(x + v) + sum(x, v)*u\ndv ~ known(-g*sum(x, 1)) + <sq(sq(x))>",
@@ -95,7 +95,7 @@ fn constraints_and_known_equations_take_functions() {
 
 #[test]
 fn a_name_is_free_where_no_function_is_called() {
-    // A model's own function comes before one that the language has, or will have.
+    // A model's own function takes precedence over a built-in one, present or future.
     assert!(said("state x\nlet sin(a) = a\ndx ~ <sin(x)>\n").contains("function-replaced"));
     assert!(said("state x\nlet f(a) = a\ndx ~ <x>\n").contains("`f` is never used"));
     assert_eq!(
@@ -106,7 +106,7 @@ fn a_name_is_free_where_no_function_is_called() {
     model("state x\nlet f(a) = a^2\nlet h(a, b) = f(a)*f(b)\ndx ~ <h(x, 2*x), f(x)>\n");
 }
 
-/// What is found with functions is what is found with the model written out, evidence and verdict too.
+/// A model with functions gives the same result, evidence and verdict as one with them written out.
 #[test]
 fn results_are_the_same_to_the_last_digit() {
     let with = "unknown k in 0.1..10\nstate x\ninput u : linear\nlet rate(a) = a/(k + a)\nlet gap(a, b) = a - b\n\
@@ -143,7 +143,7 @@ fn doubling_functions_are_refused_before_they_are_written_out() {
     assert!(said(&text).contains("error["), "{}", said(&text));
 }
 
-/// An expression over names, as text.
+/// A random expression over these names, as text.
 fn expression(names: &'static [&'static str]) -> impl Strategy<Value = String> {
     let leaf = prop_oneof![
         proptest::sample::select(names).prop_map(str::to_string),
@@ -165,14 +165,14 @@ fn expression(names: &'static [&'static str]) -> impl Strategy<Value = String> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// What is compiled is the same as with every call replaced in the text by the body in parentheses.
+    /// A call means its body, in parentheses, with the arguments substituted as text.
     #[test]
     fn functions_are_what_a_hand_would_write(
         body in expression(&["p", "q", "x"]),
         first in expression(&["x", "v", "u"]),
         second in expression(&["x", "v"]),
     ) {
-        // Letters of the arguments stand nowhere else in these texts.
+        // The names of the arguments occur nowhere else in these texts.
         let written = body.replace('p', &format!("({first})")).replace('q', &format!("({second})"));
         let with = format!("{DECLARED}let f(p, q) = {body}\ndx ~ <1, v*f({first}, {second}), v, x*u>\n");
         let plain = format!("{DECLARED}dx ~ <1, v*({written}), v, x*u>\n");

@@ -1,6 +1,6 @@
-//! Texts that nobody meant: no input may crash the compiler or hold it up.
+//! Meaningless texts: no input may crash the compiler or make it hang.
 //!
-//! Soups of tokens, patched models and texts of 10⁵ parts; what has a layout must be a fixed point of the formatter.
+//! Random tokens, modified models and texts of 10⁵ parts. If the formatter accepts a text, its output must be a fixed point.
 
 use proptest::prelude::*;
 use sidc_lang::parse;
@@ -73,7 +73,7 @@ const WORDS: &[&str] = &[
 
 const VALID: &str = "sidc 1\nsystem s\nstate x, y : order 2, noise 0.1\ninput u : hold\nparam m\nlet g = 9.8\nlet trig = <1, sin x, cos x>\ndata {\n  t = \"T\" * 1e-3\n  x = unwrap(\"A\", 2*pi)\n}\nddx ~ known(-g/m * sin x) + poly(x, dx, u; 1..2) * trig - <x>\nddy = u^2 - y/m\nconstrain 0 < coef(ddx, u) < 2*coef(ddx, dx) + 1\n";
 
-/// Whatever the text, an answer comes, and a fixed point of the formatter if there is a layout.
+/// Every text gets an answer; if it can be formatted, the result is a fixed point.
 fn survives(text: &str) {
     let (model, found, shown) = compiled("hostile.sid", text);
     assert_eq!(model.is_none(), found.iter().any(|d| d.is_error()));
@@ -132,7 +132,7 @@ fn every_wrong_model_survives_losing_a_line() {
     }
 }
 
-/// The text compiles, or fails, and does not hang.
+/// The text compiles or is rejected, and the compiler does not hang.
 fn is_answered(text: &str) {
     let text = text.to_string();
     let answered = ends(move || {
@@ -183,7 +183,7 @@ fn chains_of_lets_do_not_explode() {
     is_answered(&(text + "dx ~ <a39>\n"));
 }
 
-/// A name or a range of a few characters stands for 10⁵ parts: many of those in one file must not take the machine's memory.
+/// A name or range of a few characters can stand for 10⁵ parts. Many of these in a file must not exhaust the memory.
 #[test]
 fn what_short_names_stand_for_is_counted_in_the_whole_file() {
     let mut text = "state x\nlet a0 = <1, x>\n".to_string();
@@ -238,7 +238,7 @@ fn many_states_and_many_unknown_names_are_read_is_answered() {
 fn no_control_character_reaches_the_terminal() {
     let (_, _, said) = compiled("a\u{1b}[31m.sid", "state x\ndx ~ <y\u{1b}[2J\u{9b}31m>\n");
     assert!(!said.contains(['\u{1b}', '\u{9b}']), "{said:?}");
-    // Nor one that writes over a line, or turns it around.
+    // Nor a character that overwrites a line or reverses its direction.
     let (_, _, said) = compiled(
         "a.sid",
         "state x\r\n# \u{202e}\rstate y\ndx ~ \r<y>\u{2066}\n",

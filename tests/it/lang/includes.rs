@@ -1,4 +1,4 @@
-//! Models in several files: one that includes others is the model in which their statements are written out.
+//! Models in several files mean the same as one file with all statements.
 
 use std::collections::BTreeMap;
 
@@ -41,7 +41,7 @@ fn statements_of_other_files_stand_where_they_are_included() {
     );
     assert_eq!(meaning(&text), meaning(&by_hand));
     let model = among(&files, "a.sid").unwrap();
-    // What of a shared file one model does not use is no matter of that model.
+    // Unused declarations of a shared file cause no warnings.
     assert_eq!(model.warnings(), "");
     let narrow = model.with_terms(&[("ddx", vec!["x", "dx"])]).unwrap();
     assert_eq!(narrow.candidates("ddx"), Some(2));
@@ -96,7 +96,7 @@ fn a_mistake_is_shown_in_the_file_that_has_it() {
             "include \"rig.sid\"\ninclude \"gone.sid\"\ndx ~ <x, k, z>\n",
         ),
     ];
-    // Where a file is missing no name is called unknown: it may stand there.
+    // If a file is missing, names are not called unknown, since the file may declare them.
     let said = ["a.sid", "b.sid"].map(|name| among(&files, name).unwrap_err());
     insta::assert_snapshot!(said.join("\n"));
     let first = "include \"gone.sid\"\n";
@@ -115,7 +115,7 @@ fn chains_of_files_have_an_end() {
     assert!(said.to_string().contains("64 files at most"), "{said}");
 }
 
-/// A document says all that was read, and its model stands alone.
+/// A document contains everything that was read, so its model needs no other files.
 #[test]
 fn a_document_has_the_whole_model() {
     let files = [
@@ -147,7 +147,7 @@ fn a_document_has_the_whole_model() {
 }
 
 proptest! {
-    /// Where a model is cut into files does not matter.
+    /// Where a model is split into files does not matter.
     #[test]
     fn cut_anywhere_a_model_says_the_same(cuts in prop::collection::vec(0usize..7, 0..4)) {
         let lines = ["system m", "state x : order 2", "input u", "let k = 3", "let f(v) = v^2 + k", "ddx ~ <f(x), k*u>", "limit degree 4"];
@@ -171,7 +171,7 @@ proptest! {
     }
 }
 
-/// The program reads the files, from the folder of the model.
+/// The program reads included files relative to the model's folder.
 #[test]
 fn the_program_reads_what_is_included() {
     let folder = tempfile::tempdir().unwrap();
@@ -185,7 +185,7 @@ fn the_program_reads_what_is_included() {
     let sidc = |args: &[&str]| sidc_in(folder.path(), args);
     let run = sidc(&["check", "a.sid"]);
     assert!(run.stdout.contains("3 candidate terms"), "{}", run.stdout);
-    // Layout is that of one file.
+    // Formatting affects only one file.
     let model = folder.path().join("a.sid").display().to_string();
     let elsewhere = sidc_testing::program::sidc(&["fmt", &model]);
     assert_eq!(elsewhere.status, 0, "{}", elsewhere.stderr);

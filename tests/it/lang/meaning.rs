@@ -1,6 +1,6 @@
-//! What models mean once they are checked.
+//! The meaning of checked models.
 //!
-//! One small text each, and the part of the model that it is about.
+//! One small text each, and the part of the model that it tests.
 
 use sidc_lang::model::{Between, ColumnKind, LibKind, RightSide, VarKind};
 use sidc_lang::sensor_noise::SensorNoise;
@@ -204,7 +204,7 @@ fn symmetries_take_ranges() {
     };
     assert_eq!(flipped("(x1..x3) -> -(x1..x3)"), ["x1", "x2", "x3"]);
     assert_eq!(flipped("(x2..x3, y) -> -(x2..x3, y)"), ["x2", "x3", "y"]);
-    // Named twice is flipped once.
+    // A variable named twice is flipped once.
     assert_eq!(flipped("(x1, y, x1) -> -(x1, y, x1)"), ["x1", "y"]);
 }
 
@@ -239,7 +239,7 @@ fn signals_have_names_in_both_directions() {
     );
 }
 
-/// Of one letter only the other case is near.
+/// A single letter is similar only to the other case of it.
 #[test]
 fn single_letters_are_not_taken_for_each_other() {
     let said = |used: &str| compiled("m.sid", &format!("state X, y\ndX ~ <{used}>\ndy ~ <y>\n")).2;

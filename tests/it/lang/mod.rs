@@ -1,6 +1,6 @@
-//! The language: golden messages, the reference, the formatter, and texts nobody meant.
+//! The language: messages, the reference, the formatter, and meaningless texts.
 //!
-//! Here: the vocabulary and the helpers that the tests share.
+//! This file has the vocabulary and the helpers shared by the tests.
 
 mod added_state;
 mod bad;
@@ -21,7 +21,7 @@ use sidc_lang::model::Model;
 use sidc_lang::source::Sources;
 use sidc_lang::{GeneratorSignature, Vocabulary, compile, render};
 
-/// The generators as these tests know them.
+/// The generators known to these tests.
 pub fn vocabulary() -> Vocabulary {
     let signature = |name, usage, discrete_only| GeneratorSignature {
         name,
@@ -47,12 +47,12 @@ pub fn compiled(name: &str, text: &str) -> (Option<Model>, Vec<Diagnostic>, Stri
     (model, found, shown)
 }
 
-/// What is said of a text, all of it.
+/// All messages about a text.
 pub fn said(text: &str) -> String {
     compiled("m.sid", text).2
 }
 
-/// The model of a text that must be right.
+/// The model of a valid text.
 pub fn model(text: &str) -> Model {
     let (model, _, shown) = compiled("model.sid", text);
     model.unwrap_or_else(|| panic!("{text}\n{shown}"))

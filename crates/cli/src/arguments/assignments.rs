@@ -1,4 +1,4 @@
-//! Options of the form name=value: parameters, noises, starts; and noises set in a compiled model.
+//! Options of the form name=value: parameters, noise, start values. Also sets noise in a compiled model.
 
 use super::names::hint;
 use crate::failure::Failure;
@@ -54,10 +54,10 @@ pub fn start(text: &str) -> Result<Vec<(String, f64)>, String> {
     text.split(',').map(one).collect()
 }
 
-/// Sets the noise of sensors in place of what the model declares.
+/// Sets the noise of sensors, overriding what the model declares.
 ///
 /// # Errors
-/// A name that the model does not measure, or that is given twice.
+/// A name that the model does not measure, or one given twice.
 pub fn set_noise(program: &mut Program, noise: &[(String, SensorNoise)]) -> Result<(), Failure> {
     pipeline::set_noise(program, noise).map_err(|fault| match fault {
         NoiseFault::Twice(name) => given_twice("--noise", &name),
@@ -71,7 +71,7 @@ pub fn set_noise(program: &mut Program, noise: &[(String, SensorNoise)]) -> Resu
     })
 }
 
-/// The failure for a name that has its value already.
+/// The failure for a name that already has a value.
 pub fn given_twice(option: &str, name: &str) -> Failure {
     Failure::new(format!(
         "error[given-twice]: {option} {name}: this has a value already\n  = help: one value a name"

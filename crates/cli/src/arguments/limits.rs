@@ -1,8 +1,8 @@
-//! Options that bound errors: parts of the spread, or values of signals.
+//! Options that limit errors: fractions of the spread, or values of signals.
 
 use sidc_system::predict::ErrorLimit;
 
-/// `10%`, `theta=0.02`, or several with commas between.
+/// `10%`, `theta=0.02`, or several separated by commas.
 pub fn good(text: &str) -> Result<Vec<ErrorLimit>, String> {
     text.split(',').map(|part| one(part.trim())).collect()
 }

@@ -1,4 +1,4 @@
-//! How values of options are written on the command line, and what they mean.
+//! How the values of options are written on the command line.
 
 pub mod assignments;
 pub mod limits;

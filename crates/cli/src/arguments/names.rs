@@ -1,11 +1,11 @@
-//! Options whose value is one of several names: methods, solvers, and what is said of an unknown name.
+//! Options whose value is one of several names, such as methods and solvers, and hints for unknown names.
 
 use sidc::Method;
 use sidc_discover::METHODS;
 use sidc_lang::diagnostic::did_you_mean;
 use sidc_solve::SOLVERS;
 
-/// What a name stands for among those known.
+/// The value that belongs to a known name.
 pub fn one_of<T>(
     name: &str,
     all: impl Iterator<Item = (&'static str, T)> + Clone,
@@ -33,7 +33,7 @@ pub fn solver(name: &str) -> Result<&'static str, String> {
     one_of(name, SOLVERS.iter().map(|s| (s.name(), s.name())))
 }
 
-/// What to add to the message about an unknown name, if one of the known names may be meant.
+/// A suggestion to append to the message about an unknown name, if a known one is similar.
 pub fn hint<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     did_you_mean(wrong, known).map_or_else(String::new, |n| format!("; did you mean `{n}`?"))
 }

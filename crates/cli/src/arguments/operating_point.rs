@@ -1,6 +1,6 @@
-//! `theta=pi/2,dtheta=0`: a point of a system, as it is written on the command line.
+//! Reads an operating point such as `theta=pi/2,dtheta=0` from the command line.
 //!
-//! In: texts, and the names that may be given. Out: values by name. Any text that is not a name with a number is refused.
+//! In: texts, and the names that may be given. Out: values by name. Rejects any text that is not a name with a number.
 
 use super::assignments::given_twice;
 use super::names::hint;
@@ -15,7 +15,7 @@ use sidc_lang::source::Sources;
 /// `name=value` pairs, in order.
 ///
 /// # Errors
-/// A pair without `=`, a value that is no finite number.
+/// A pair without `=`, or a value that is not a finite number.
 fn pairs(option: &str, texts: &[String]) -> Result<Vec<(String, f64)>, Failure> {
     let pieces = texts.iter().flat_map(|t| pieces(t));
     pieces.map(|piece| pair(option, &piece)).collect()
@@ -44,7 +44,7 @@ fn pair(option: &str, piece: &str) -> Result<(String, f64), Failure> {
     }
 }
 
-/// A text as a message shows it: on one line, shortened if long.
+/// A text as a message shows it: on one line, shortened if it is long.
 fn shown(text: &str) -> String {
     let escaped = text.escape_debug().to_string();
     match escaped.char_indices().nth(INPUT_LIMITS.point_value) {
@@ -53,7 +53,7 @@ fn shown(text: &str) -> String {
     }
 }
 
-/// Cut at commas outside brackets: `lag(y, 1)=2` is one piece.
+/// The pieces between commas outside brackets: `lag(y, 1)=2` is one piece.
 fn pieces(text: &str) -> Vec<String> {
     let mut out = vec![String::new()];
     let mut depth = 0usize;
@@ -72,7 +72,7 @@ fn pieces(text: &str) -> Vec<String> {
     out.iter().map(|p| p.trim().to_string()).collect()
 }
 
-/// A number, or arithmetic on numbers and `pi`, as the language has it.
+/// A number, or arithmetic on numbers and `pi`, in the syntax of the language.
 fn number(text: &str) -> Option<f64> {
     let sound = |c: char| c.is_ascii_alphanumeric() || "+-*/^(). ".contains(c);
     if text.is_empty() || text.len() > INPUT_LIMITS.point_value || !text.chars().all(sound) {
@@ -91,20 +91,20 @@ fn number(text: &str) -> Option<f64> {
     }
 }
 
-/// An option that gives values to names.
+/// An option that assigns values to names.
 pub struct PointOption<'a> {
     /// `--at`
     pub name: &'a str,
-    /// Code of the error for a name that is not known.
+    /// Code of the error for an unknown name.
     pub unknown: &'a str,
     /// The names that may be given.
     pub known: &'a [String],
-    /// Why a name is not among them; `None` for the usual message, which offers the nearest one.
+    /// Why a name is not allowed; `None` for the usual message, which suggests the nearest one.
     pub explain: &'a dyn Fn(&str) -> Option<String>,
 }
 
 impl PointOption<'_> {
-    /// Values with the place of their name among the known ones.
+    /// Values, each with the index of its name among the known ones.
     ///
     /// # Errors
     /// A text that is not name=value, an unknown name, a name given twice.

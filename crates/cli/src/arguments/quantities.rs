@@ -1,14 +1,14 @@
-//! Options whose value is a number, most of them with a unit: times, sizes, decibels.
+//! Options whose value is a number, usually with a unit: times, sizes, decibels.
 
 use std::time::Duration;
 
 /// [`sidc::pipeline::MEMORY`] as the help shows it.
 pub const MEMORY: &str = "4GB";
 
-/// Names of times with their seconds.
+/// Units of time in seconds.
 const TIMES: [(&str, f64); 4] = [("ms", 1e-3), ("s", 1.0), ("m", 60.0), ("h", 3600.0)];
 
-/// Names of sizes with their bytes, powers of ten and of two.
+/// Units of size in bytes, powers of ten and of two.
 const SIZES: [(&str, f64); 9] = [
     ("B", 1.0),
     ("KB", 1e3),
@@ -44,7 +44,7 @@ pub fn memory(text: &str) -> Result<u64, String> {
     }
 }
 
-/// A number and its unit in units of one; `plain` is the unit of a bare number. Case does not matter.
+/// Converts a number with a unit, in any case of letters; a number alone has the unit `plain`.
 fn measure(text: &str, units: &[(&str, f64)], plain: &str) -> Option<f64> {
     let text = text.trim();
     let end = text

@@ -1,4 +1,4 @@
-//! Options that name rows: stretches of time, parts of every record, whole files.
+//! Options that select rows: ranges of time, parts of every record, whole files.
 
 use std::path::{Path, PathBuf};
 

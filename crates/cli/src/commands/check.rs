@@ -67,12 +67,12 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         text.push_str(&signals::describe(&program, &measured));
     }
     stdout::print_readable(&text)?;
-    // The process ends here. To free a large library term by term would take a good part of its time.
+    // The process ends here, and freeing a large library term by term would take a good part of its time.
     std::mem::forget(program);
     Ok(exit_status::PASS)
 }
 
-/// One line an equation: what it asks, how many terms.
+/// One line per equation: what it looks for, and how many terms it has.
 fn describe(program: &Program) -> String {
     let model = &program.model;
     let mut text = String::new();
@@ -94,7 +94,7 @@ fn describe(program: &Program) -> String {
     text
 }
 
-/// `units: y m, F N, t s; targets ddy m/s^2`, of what has one.
+/// `units: y m, F N, t s; targets ddy m/s^2`, for signals that have a unit.
 fn units(model: &Model) -> String {
     let list = |signals: &mut dyn Iterator<Item = Signal>| {
         let mut each =
@@ -103,7 +103,7 @@ fn units(model: &Model) -> String {
         names.extend(each.next().map(|_| "…".into()));
         names.join(", ")
     };
-    // Time comes last: it has a unit wherever anything has.
+    // Time comes last: if any signal has a unit, so does time.
     let ids = (1..model.vars.len()).chain([0]).map(|i| VarId(i as u16));
     let variables = list(&mut ids.map(Signal::new));
     let targets = list(&mut model.equations.iter().map(|e| e.target));

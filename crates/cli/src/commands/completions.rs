@@ -1,4 +1,4 @@
-//! `sidc completions SHELL`: what a shell needs to complete commands and options.
+//! `sidc completions SHELL`: a script that completes commands and options in a shell.
 
 use clap::ValueEnum;
 use clap_complete::{Shell, generate};
@@ -28,7 +28,7 @@ enum Kind {
     Powershell,
 }
 
-/// `program` is the whole command line, whose commands and options are completed.
+/// `program` is the whole command line, with the commands and options to complete.
 pub fn run(args: &Args, mut program: clap::Command) -> Result<u8, Failure> {
     let shell = match args.shell {
         Kind::Bash => Shell::Bash,

@@ -43,7 +43,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let written = target
         .emit(&discovery)
         .map_err(|why| Failure::new(format!("error[not-expressible]: {why}")))?;
-    // A failure stands alone, without the warning.
+    // A failure is printed alone, without the warning about doubts.
     if let (Written::Binary { suffix, .. }, None) = (&written, &args.output) {
         return Err(unnamed(args, suffix));
     }
@@ -52,7 +52,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     Ok(exit_status::PASS)
 }
 
-/// A binary file needs a name: a terminal would show nonsense.
+/// A binary file needs a name: printed on a terminal it is unreadable.
 fn unnamed(args: &Args, suffix: &str) -> Failure {
     let name = args.result.with_extension(suffix);
     let name = name.file_name().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! `sidc fmt MODEL`: white space only, never spelling.
+//! `sidc fmt MODEL`: changes only white space.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! `sidc linearize R.json --at theta=0`: the linear system near a point, and what it does.
+//! `sidc linearize R.json --at theta=0`: the linear system near a point, and its properties.
 
 use std::path::PathBuf;
 
@@ -39,7 +39,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<u8, Failure> {
     let found = texts::result(&args.result)?.discovery;
-    // Equations without delays, in which states stand for them.
+    // The equations with states in place of delays.
     let (d, delays) = algebra::delays_as_states(&found);
     let form = Form::new(&d);
     if form.state.is_empty() {
@@ -77,7 +77,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     Ok(exit_status::PASS)
 }
 
-/// How the delay of an input became states.
+/// A notice that a delay was replaced by states.
 fn approximated(d: &Discovery, delay: &DelayState) -> Notice {
     let text = format!(
         "{} acts {} s late: A and B hold that as a second-order Padé approximant with the states {} and {}",
@@ -89,7 +89,7 @@ fn approximated(d: &Discovery, delay: &DelayState) -> Notice {
     Notice::new("delay-approximated", text)
 }
 
-/// Sets the values of `--at` in the point; returns the signals that have one.
+/// Sets the values of `--at` in the point. Returns the signals that were set.
 fn set_point(
     at: &mut Point,
     d: &Discovery,
@@ -129,8 +129,7 @@ fn set_point(
     Ok(named)
 }
 
-/// Sets the values of `--param` in the point. Every parameter that the equations mention needs one, others may have one; returns the
-/// former.
+/// Sets the values of `--param` in the point. Returns the parameters that the equations mention, all of which need a value.
 fn set_params(
     at: &mut Point,
     d: &Discovery,
@@ -163,7 +162,7 @@ fn set_params(
     }
 }
 
-/// Why there is no linear system, with the equations that prevent it.
+/// Why there is no linear system, with the equations responsible.
 fn refusal(d: &Discovery, form: &Form, why: NoLinear) -> Failure {
     let lines = emit::equations(d);
     let of = |target: Signal| -> String {

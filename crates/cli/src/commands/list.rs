@@ -1,4 +1,4 @@
-//! `sidc list`: everything the registries hold.
+//! `sidc list`: the contents of all registries.
 
 use crate::exit_status;
 use crate::failure::Failure;

@@ -1,7 +1,6 @@
 //! `sidc lsp`: the language server, on standard input and output.
 //!
-//! In: messages of an editor. Out: answers. Of the files beside a model only those that it includes are read whole, of tables the beginnings,
-//! for the names of their columns.
+//! In: messages of an editor. Out: answers. Reads the files that a model includes, and the beginnings of tables next to it for the names of their columns.
 
 use std::fs::File;
 use std::io::Read;
@@ -30,7 +29,7 @@ pub fn run(_: &Args) -> Result<u8, Failure> {
     let served = sidc_lsp::serve(&connection, &Disk);
     drop(connection);
     let fail = |e: &dyn std::fmt::Display| Failure::new(format!("error[protocol]: {e}"));
-    // What came in ends the threads, unless it was a message that has no place there.
+    // The threads end with the input, unless the editor is still connected after a message out of place.
     if !matches!(&served, Err(e) if !e.channel_is_disconnected()) {
         threads.join().map_err(|e| fail(&e))?;
     }
@@ -40,14 +39,14 @@ pub fn run(_: &Args) -> Result<u8, Failure> {
         }
         served => served.map_err(|e| fail(&e))?,
     };
-    // As the protocol asks: an exit without a shutdown before is an error.
+    // The protocol demands an error status for an exit without a shutdown.
     Ok(match ended {
         true => exit_status::PASS,
         false => exit_status::INPUT,
     })
 }
 
-/// The folder of a model and the folder `data` in it.
+/// Reads the folder of a model and its subfolder `data`.
 struct Disk;
 
 impl Folder for Disk {
@@ -64,7 +63,7 @@ impl Folder for Disk {
         let folder = path.parent().unwrap_or(Path::new("."));
         let mut files = tables_in(folder);
         files.extend(tables_in(&folder.join("data")));
-        // The table of the model's own name comes first.
+        // The table with the same name as the model comes first.
         let own = path.file_stem();
         files.sort_by_key(|f| f.file_stem() != own);
         let each = files.into_iter().filter_map(|file| {
@@ -79,7 +78,7 @@ impl Folder for Disk {
     }
 }
 
-/// The delimited texts of a folder, by name.
+/// The delimited text files of a folder, by name.
 fn tables_in(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let entries = entries.take(BESIDE.entries).map(|e| e.path());
@@ -102,10 +101,10 @@ fn columns(file: &Path) -> Option<Vec<String>> {
     (!columns.is_empty()).then_some(columns)
 }
 
-/// The path of a `file:` URI; `None` for others, such as of texts that were never saved.
+/// The path of a `file:` URI; `None` for other URIs, such as those of unsaved texts.
 fn local_path(uri: &str) -> Option<PathBuf> {
     let rest = uri.strip_prefix("file://")?;
-    // A host may stand before the path; only this one's files are read.
+    // A URI may name a host; only local files are read.
     let path = rest.strip_prefix("localhost").unwrap_or(rest);
     let bytes = percent_decoded(path.as_bytes());
     let text = String::from_utf8(bytes).ok()?;
@@ -118,7 +117,7 @@ fn local_path(uri: &str) -> Option<PathBuf> {
     Some(PathBuf::from(text))
 }
 
-/// `%20` as a blank, and so on (RFC 3986, 2.1). What is no such code stays.
+/// Decodes `%20` to a blank and so on (RFC 3986, 2.1). Invalid codes are kept.
 fn percent_decoded(text: &[u8]) -> Vec<u8> {
     let digit = |at: usize| char::from(*text.get(at)?).to_digit(16);
     let mut out = Vec::with_capacity(text.len());

@@ -1,4 +1,4 @@
-//! `sidc man [COMMAND]`: manual pages, for those who pack the program. Not shown by `sidc --help`.
+//! `sidc man [COMMAND]`: manual pages, for packagers. Not shown by `sidc --help`.
 
 use clap::error::ErrorKind;
 use clap_mangen::Man;
@@ -13,14 +13,14 @@ pub struct Args {
     command: Option<String>,
 }
 
-/// `program` is the whole command line. A command that it does not have is wrong usage.
+/// `program` is the whole command line. An unknown command is a usage error.
 pub fn run(args: &Args, mut program: clap::Command) -> Result<u8, Failure> {
     program.build();
     let page = match &args.command {
         None => program,
         Some(name) => chosen(&mut program, name),
     };
-    // Pages are filed under the full name, `sidc-identify`.
+    // Pages are filed under the full name, such as `sidc-identify`.
     let title = page.get_display_name().unwrap_or("sidc").to_string();
     let mut text = Vec::new();
     Man::new(page)

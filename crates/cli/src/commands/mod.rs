@@ -1,4 +1,4 @@
-//! The commands, one file or folder each: its arguments, its help, what it does and prints. No command imports another.
+//! The commands, one file or folder each: arguments, help, work and output. No command imports another.
 
 pub mod check;
 pub mod completions;

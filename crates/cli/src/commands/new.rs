@@ -1,4 +1,4 @@
-//! `sidc new DATA`: a first model of a table.
+//! `sidc new DATA`: a first model for a table.
 
 use std::path::PathBuf;
 
@@ -118,7 +118,7 @@ fn too_large(large: &TooLarge) -> Failure {
     ))
 }
 
-/// Why there is no model: cells that are no numbers, or no column whose numbers change.
+/// Why there is no model: cells that are not numbers, or no column that changes.
 fn nothing(name: &str, tables: &[Table], sources: &mut Sources) -> Failure {
     let faults = |t: &Table| {
         let columns: Vec<usize> = (0..t.headers().len()).collect();

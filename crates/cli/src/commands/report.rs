@@ -1,4 +1,4 @@
-//! `sidc report RESULT… DATA…`: a result as one page, with the equations run along the data; several of them compared on one.
+//! `sidc report RESULT… DATA…`: a result as one page, with free runs along the data; or several results compared on one page.
 
 use std::path::PathBuf;
 
@@ -64,7 +64,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     Ok(exit_status::PASS)
 }
 
-/// The runs of one result.
+/// Runs the equations of one result along the data.
 fn run_along(bound: &ResultAndRecords, line: &ProgressLine, monitor: &Monitor) -> Vec<RecordRun> {
     let discovery = &bound.opened.discovery;
     let by_run = RunParameters::of(discovery, &bound.model);
@@ -77,7 +77,7 @@ fn run_along(bound: &ResultAndRecords, line: &ProgressLine, monitor: &Monitor) -
     runs(&source, &bound.opened.document, line, monitor)
 }
 
-/// Runs along every record until the time is up, along stretches held out by themselves. The page says why a record cannot be run.
+/// Runs along every record until the time is up; held-out rows are run separately. The page says why a record cannot be run.
 fn runs(
     source: &Source,
     document: &Document,

@@ -1,4 +1,4 @@
-//! Files given on the command line: models end in `.sid`, the rest is data.
+//! Files given on the command line: models end in `.sid`, all others are data.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::outputs::paths::shown;
 use sidc_data::io_error_text;
 
-/// The files of the command line by their kind.
+/// The files of the command line, by kind.
 pub struct InputFiles {
     pub models: Vec<PathBuf>,
     pub data: Vec<PathBuf>,
@@ -30,10 +30,10 @@ impl InputFiles {
         Ok(InputFiles { models, data })
     }
 
-    /// The one model, for commands that take one.
+    /// The only model, for commands that take one.
     ///
     /// # Errors
-    /// More than one.
+    /// More than one model.
     pub fn model(&self) -> Result<&Path, Failure> {
         match self.models.as_slice() {
             [model] => Ok(model),
@@ -46,17 +46,17 @@ impl InputFiles {
     }
 }
 
-/// Opens a file to read.
+/// Opens a file for reading.
 ///
 /// # Errors
-/// Not there, a folder, a pipe or a device, not allowed.
+/// Missing, a folder, a pipe or a device, or no permission.
 pub fn open(path: &Path) -> Result<File, Failure> {
     opened(path).map_err(|why| unreadable(path, &why))
 }
 
-/// [`open`], or only why it cannot be read.
+/// Like [`open`], with only the cause as error.
 pub fn opened(path: &Path) -> Result<File, String> {
-    // Asked first, because opening a pipe waits for its writer.
+    // Checked first, because opening a pipe waits for a writer.
     let kind = std::fs::metadata(path).map_err(|e| io_error_text(&e))?;
     if kind.is_dir() {
         return Err("this is a folder, not a file".into());

@@ -1,4 +1,4 @@
-//! Files that are read: models, data, results.
+//! Input files: models, data, results.
 
 pub mod files;
 pub mod result_and_records;

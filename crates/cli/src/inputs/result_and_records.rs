@@ -1,4 +1,4 @@
-//! A result and records that it is run along: the options of such commands, and the reading of both.
+//! A result and the records to run it along: the options of such commands, and how both are read.
 //!
 //! In: files, options. Out: the result, and data bound to what a simulation of it reads. Runs nothing.
 
@@ -51,7 +51,7 @@ pub struct ResultAndRecords {
     pub model: Model,
     pub dataset: Dataset,
     pub files: Vec<FileEntry>,
-    /// Components of the state at the start that the user gave.
+    /// Components of the initial state that the user gave.
     pub start: Vec<(Signal, f64)>,
 }
 
@@ -60,11 +60,10 @@ impl ResultAndRecordsArgs {
         Monitor::start(&self.verbosity, self.time_limit)
     }
 
-    /// Reads the result and binds the data to what a simulation of it reads. Components of the state in `start` need no column.
-    /// `command` is for the advice.
+    /// Reads the result and binds the data to what a simulation of it reads. State components in `start` need no column. Messages name `command`.
     ///
     /// # Errors
-    /// What is wrong with the files, or with `start`.
+    /// Faults of the files or of `start`.
     pub fn open(
         &self,
         command: &str,
@@ -75,10 +74,10 @@ impl ResultAndRecordsArgs {
         self.bind(result, data, start, monitor)
     }
 
-    /// Each of the results among the files, which come first, bound to the same data.
+    /// Reads each of the results, which come first among the files, and binds it to the same data.
     ///
     /// # Errors
-    /// What is wrong with the files; more results than can be told apart.
+    /// Faults of the files, or more results than a page can distinguish.
     pub fn open_each(
         &self,
         command: &str,
@@ -110,12 +109,12 @@ impl ResultAndRecordsArgs {
         let start = start_signals(&opened.discovery, start)?;
         let model = simulate::reads(&opened.discovery, &opened.model, &start);
         let mut sources = Sources::default();
-        // The model was read back from the result, so its places lead into an empty text.
+        // The model comes from the result, so its positions refer to an empty text.
         sources.add(name.as_str(), "");
         monitor.stages.done("result read");
         let data = tables::read(data, self.memory_limit, &mut sources, monitor)?;
         let (dataset, mut found) = data::bind(&model, &data.tables, &self.params, &mut sources);
-        // Constant columns matter to a library of terms, and a result has none.
+        // Constant columns matter only for a library of terms, and a result has none.
         found.retain(|d| d.code != "constant-column");
         found.iter_mut().for_each(|d| for_user_of_result(d, &name));
         let complete = !found.iter().any(Diagnostic::is_error);
@@ -133,7 +132,7 @@ impl ResultAndRecordsArgs {
     }
 }
 
-/// The result, which comes first, and the data files.
+/// Splits the files into the result, which comes first, and the data files.
 fn split<'a>(files: &'a [PathBuf], command: &str) -> Result<(&'a Path, &'a [PathBuf]), Failure> {
     let Some((result, data)) = files.split_first() else {
         return Err(Failure::new("error[no-data]: no files"));
@@ -146,7 +145,7 @@ fn split<'a>(files: &'a [PathBuf], command: &str) -> Result<(&'a Path, &'a [Path
     Ok((result, data))
 }
 
-/// Names of `--start` as signals of the state.
+/// The names in `--start` as signals of the state.
 fn start_signals(
     d: &Discovery,
     start: &[Vec<(String, f64)>],
@@ -166,7 +165,7 @@ fn start_signals(
     start.iter().flatten().map(signal).collect()
 }
 
-/// Diagnostics of binding speak of a model that the user may not have; this one speaks of the result.
+/// Rewords diagnostics about a model, which the user may not have, so that they are about the result.
 fn for_user_of_result(d: &mut Diagnostic, name: &str) {
     d.labels.retain(|l| l.span.file != FileId(0));
     let advice = d.help.as_deref().unwrap_or_default();

@@ -1,6 +1,6 @@
-//! Data files as tables, hashed as they are read.
+//! Reads data files as tables and hashes them.
 //!
-//! In: paths, a limit of memory. Out: tables with names and hashes of their files, or the faults of all of them.
+//! In: paths, a memory limit. Out: tables with the names and hashes of their files, or the faults of all files.
 
 use std::fs::File;
 use std::io::Read;
@@ -27,12 +27,12 @@ pub struct DataFiles {
     pub entries: Vec<FileEntry>,
 }
 
-/// A file with the progress of its reading shown.
+/// A file that shows how much of it has been read.
 struct WatchedFile<'a> {
     file: File,
     name: &'a str,
     bytes_read: u64,
-    /// Bytes in all; 1 for an empty file.
+    /// Size of the file; 1 if it is empty.
     length: u64,
     line: &'a ProgressLine,
 }
@@ -49,10 +49,10 @@ impl Read for WatchedFile<'_> {
     }
 }
 
-/// Reads every data file, and says what of it is not in its table; all tables together take `memory` bytes at most.
+/// Reads every data file and reports what its table leaves out. All tables together take at most `memory` bytes.
 ///
 /// # Errors
-/// The first file that cannot be opened; the faults in all files that can.
+/// The first file that cannot be opened; the faults of all files that can.
 pub fn read(
     paths: &[PathBuf],
     memory: u64,
@@ -71,7 +71,7 @@ pub fn read(
         let name = short_name(path);
         let file = open(path)?;
         let length = file.metadata().map_or(0, |m| m.len());
-        // A file that is too large by its length is not read at all.
+        // A file that is too large is not read at all.
         if let Some(fault) = data::too_large(&name, length, &limits) {
             faults.push(fault);
             continue;
@@ -104,7 +104,7 @@ pub fn read(
     Ok(DataFiles { tables, entries })
 }
 
-/// A warning for every file with the same content as one before it.
+/// A warning for every file with the same content as an earlier one.
 pub fn duplicates(entries: &[FileEntry]) -> Vec<Diagnostic> {
     let duplicate = |(k, entry): (usize, &FileEntry)| {
         let mut earlier = entries.iter().take(k);

@@ -1,6 +1,6 @@
-//! Models and result documents, read whole, and what identifies a file in a result.
+//! Reads whole models and result documents, with their names and hashes.
 //!
-//! In: paths. Out: texts in UTF-8 without byte order marks, names, hashes.
+//! In: paths. Out: UTF-8 texts without byte order marks, names, hashes.
 
 use std::io::Read;
 use std::path::Path;
@@ -20,7 +20,7 @@ use sidc_system::result::{FileEntry, Opened};
 /// Reads a result document.
 ///
 /// # Errors
-/// Not there, not a file, too large, not UTF-8, no result.
+/// Missing, not a file, too large, not UTF-8, or not a result.
 pub fn result(path: &Path) -> Result<Opened, Failure> {
     let text = text(path, INPUT_LIMITS.result, "a result");
     let (text, _) = text.map_err(|why| unreadable(path, &why))?;
@@ -31,16 +31,16 @@ pub fn result(path: &Path) -> Result<Opened, Failure> {
 /// Reads a whole model, with its name and hash.
 ///
 /// # Errors
-/// Not there, not a file, too large, not UTF-8.
+/// Missing, not a file, too large, or not UTF-8.
 pub fn model_text(path: &Path) -> Result<(String, FileEntry), Failure> {
     text(path, INPUT_LIMITS.model, "a model").map_err(|why| unreadable(path, &why))
 }
 
-/// Adds a model's text to the sources, and the files that it includes. Returns all of them with their hashes, the model first; a file that
-/// cannot be read is an error of the line that includes it, once the model is compiled.
+/// Adds the text of a model and the files that it includes to the sources. Returns the hashes of all of them, the model first. An included file that cannot
+/// be read becomes an error at the line that includes it when the model is compiled.
 ///
 /// # Errors
-/// As for its text.
+/// As [`model_text`].
 pub fn model(path: &Path, sources: &mut Sources) -> Result<(FileId, Vec<FileEntry>), Failure> {
     let (own, entry) = model_text(path)?;
     let id = sources.add(path.display().to_string(), own);
@@ -53,12 +53,12 @@ pub fn model(path: &Path, sources: &mut Sources) -> Result<(FileId, Vec<FileEntr
     Ok((id, entries))
 }
 
-/// A file that a model includes: its text and its hash, or why it cannot be read.
+/// The text and hash of an included file, or why it cannot be read.
 pub fn included(path: &Path) -> Result<(String, FileEntry), String> {
     text(path, INPUT_LIMITS.model, "a model")
 }
 
-/// A text and its hash, or why there is none.
+/// The text and hash of a file, or why it cannot be read.
 fn text(path: &Path, limit: u64, what: &str) -> Result<(String, FileEntry), String> {
     let file = opened(path)?;
     let length = file.metadata().map_or(0, |m| m.len());
@@ -76,7 +76,7 @@ fn text(path: &Path, limit: u64, what: &str) -> Result<(String, FileEntry), Stri
     Ok((utf8(bytes)?, entry))
 }
 
-/// Bytes as text without byte order marks, or why they are no text.
+/// Bytes as text without byte order marks, or why they are not text.
 fn utf8(bytes: Vec<u8>) -> Result<String, String> {
     if let Some(at) = bytes.iter().position(|b| *b == 0) {
         return Err(format!(
@@ -88,7 +88,7 @@ fn utf8(bytes: Vec<u8>) -> Result<String, String> {
         format!("not UTF-8 at byte {at}; save the file as UTF-8")
     })?;
     let text = text.trim_start_matches('\u{feff}');
-    // Before OS X, Macs ended lines with a carriage return alone.
+    // Before OS X, Macs ended lines with only a carriage return.
     match text.contains('\n') {
         true => Ok(text.to_string()),
         false => Ok(text.replace('\r', "\n")),

@@ -1,6 +1,6 @@
 //! Ctrl-C: the first asks the work to stop, the second ends the process.
 //!
-//! In: a flag to raise, and when no file may be left half-written. Out: the flag raised, or the process ended.
+//! In: a flag to raise, and when a file is being written. Out: the flag raised, or the process ended.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -8,26 +8,25 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use super::stderr;
 use crate::exit_status;
 
-/// What the first Ctrl-C raises; without one it ends the process.
+/// The flag that the first Ctrl-C raises; without one, Ctrl-C ends the process.
 static LISTENER: Mutex<Option<Arc<AtomicBool>>> = Mutex::new(None);
 
 /// Held while a temporary file exists.
 static WRITING: Mutex<()> = Mutex::new(());
 
-/// From here on the first Ctrl-C raises the flag. Where Ctrl-C is ignored, as in the background of a shell, it stays so.
+/// From now on the first Ctrl-C raises the flag. If Ctrl-C is ignored, as for background jobs of a shell, that is kept.
 pub fn raise(interrupted: &Arc<AtomicBool>) {
     *locked(&LISTENER) = Some(interrupted.clone());
     handle_ctrl_c();
 }
 
-/// Until the guard is dropped, Ctrl-C does not end the process.
+/// Ctrl-C does not end the process until the guard is dropped.
 pub fn hold_off() -> MutexGuard<'static, ()> {
     handle_ctrl_c();
     locked(&WRITING)
 }
 
-/// Without a handler Ctrl-C ends the process at once, as it does everywhere else. One handler serves the whole run, because a
-/// second cannot be set.
+/// Without a handler, Ctrl-C ends the process at once. Only one handler can be set, so it serves the whole run.
 fn handle_ctrl_c() {
     let _ = ctrlc::try_set_handler(interrupt);
 }
@@ -42,7 +41,7 @@ fn interrupt() {
     }
 }
 
-/// Ends the process, once no file is half-written.
+/// Ends the process as soon as no file is being written.
 fn end() {
     let _whole = locked(&WRITING);
     stderr::replace_line("");

@@ -1,4 +1,4 @@
-//! When a run has to stop: at its time limit, or on Ctrl-C.
+//! When a run must stop: at its time limit or on Ctrl-C.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use super::interrupts;
 use sidc::Stop;
 
-/// When a run began, and how long it may take.
+/// The start of a run, and how long it may take.
 #[derive(Clone, Copy)]
 pub struct Clock {
     pub start: Instant,
@@ -22,7 +22,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The clock starts now.
+    /// Starts the clock.
     pub fn start(limit: Option<Duration>) -> Self {
         Limits {
             clock: Clock {
@@ -33,7 +33,7 @@ impl Limits {
         }
     }
 
-    /// From here on the first Ctrl-C asks the work to stop, and the second ends the process.
+    /// From now on the first Ctrl-C asks the work to stop, and the second ends the process.
     pub fn listen(&self) {
         interrupts::raise(&self.interrupted);
     }
@@ -42,7 +42,7 @@ impl Limits {
         self.clock
     }
 
-    /// `Break` once the work has to end, and why.
+    /// `Break` with the reason once the work must stop.
     pub fn check(&self) -> ControlFlow<Stop> {
         if self.interrupted.load(Ordering::Relaxed) {
             return ControlFlow::Break(Stop::Interrupted);
@@ -68,7 +68,7 @@ mod tests {
         let limits = Limits::start(Some(passed));
         std::thread::sleep(Duration::from_millis(1));
         assert_eq!(limits.check(), ControlFlow::Break(Stop::TimeLimit(passed)));
-        // Ctrl-C comes first.
+        // Ctrl-C takes precedence.
         limits.interrupted.store(true, Ordering::Relaxed);
         assert_eq!(limits.check(), ControlFlow::Break(Stop::Interrupted));
     }

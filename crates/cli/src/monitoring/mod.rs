@@ -1,4 +1,4 @@
-//! How long work is watched: the progress line, the times of its stages, limits, Ctrl-C.
+//! Monitoring of long work: the progress line, times of stages, limits, Ctrl-C.
 
 pub mod interrupts;
 pub mod limits;

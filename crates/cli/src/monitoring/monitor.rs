@@ -1,6 +1,6 @@
-//! What watches a command that may take long: progress line, stage times and limits in one place.
+//! Progress line, stage times and limits of a command in one place.
 //!
-//! In: what the user wants to hear, what is being done. Out: lines on standard error, and whether to go on.
+//! In: how much output the user wants, and what is being done. Out: lines on standard error, and whether to go on.
 
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -17,14 +17,14 @@ use sidc_lang::term::SignalNames;
 pub struct Monitor {
     pub notes: Notes,
     pub stages: StageTimes,
-    /// Time for the proofs of all equations.
+    /// Time budget for the proofs of all equations.
     pub proving: Budget,
     shows_progress: bool,
     limits: Limits,
 }
 
 impl Monitor {
-    /// The clock starts now.
+    /// Starts the clock.
     pub fn start(verbosity: &Verbosity, time_limit: Option<Duration>) -> Self {
         Monitor {
             notes: verbosity.notes(),
@@ -35,7 +35,7 @@ impl Monitor {
         }
     }
 
-    /// For commands without options of verbosity: all notes, a progress line, no limit.
+    /// For commands without verbosity options: all notes, a progress line, no limit.
     pub fn plain() -> Self {
         Monitor {
             notes: Notes::Full,
@@ -46,12 +46,12 @@ impl Monitor {
         }
     }
 
-    /// From here on the first Ctrl-C asks the work to stop, and the second ends the process.
+    /// From now on the first Ctrl-C asks the work to stop, and the second ends the process.
     pub fn listen(&self) {
         self.limits.listen();
     }
 
-    /// True once the work has to end.
+    /// True once the work must stop.
     pub fn must_stop(&self) -> bool {
         self.limits.check().is_break()
     }
@@ -69,7 +69,7 @@ impl Monitor {
         }
     }
 
-    /// Shows the time that a free run along a record has reached.
+    /// Shows the time reached by a free run along a record.
     pub fn free_run(&self, line: &ProgressLine, record: &str) -> impl Observer {
         move |activity: Activity| {
             if let Activity::Running { time } = activity {
@@ -82,13 +82,13 @@ impl Monitor {
         }
     }
 
-    /// Shows nothing.
+    /// Checks the limits, and shows nothing.
     pub fn silent_observer(&self) -> impl Observer {
         |_: Activity| self.limits.check()
     }
 }
 
-/// Shows the work on the equations of a model, and ends it when the limits say so.
+/// Shows the work on the equations of a model, and stops it at the limits.
 pub struct ModelObserver<'a> {
     monitor: &'a Monitor,
     line: ProgressLine,
@@ -112,7 +112,7 @@ impl Observer for ModelObserver<'_> {
                     stage,
                 });
                 let proves = matches!(stage, Stage::Proving { .. });
-                // An equation leaves their part of the time to those after it.
+                // Each equation gets its share of the time, plus what earlier ones left over.
                 let part = (place + 1) as f64 / self.model.equations.len().max(1) as f64;
                 if let Some(stop) = self.monitor.proving.spent(proves, part) {
                     return ControlFlow::Break(stop);

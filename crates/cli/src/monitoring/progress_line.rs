@@ -1,7 +1,7 @@
-//! A line on stderr while long work is done: what it is, how far, how long. Only on a terminal and only after a second.
+//! A line on standard error during long work: what is done, how far it is, how long it took. Shown only on a terminal and after a second.
 //!
-//! In: what is being done, often and cheaply. Out: the line. A thread of its own draws it a few times a second, so that the time
-//! goes on during long steps too.
+//! In: what is being done; calls are frequent and cheap. Out: the line. A separate thread draws it a few times a second, so that the time advances even
+//! during long steps.
 
 use std::io::IsTerminal;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -14,14 +14,14 @@ use crate::thresholds::PROGRESS;
 use sidc::{SolverProgress, Stage};
 use sidc_lang::number::significant;
 
-/// Columns of the line. One that reaches the edge of a terminal of 80 would wrap, and a wrapped line cannot be taken back.
+/// Width of the line. On a terminal of 80 columns a longer line would wrap, and a wrapped line cannot be erased.
 const WIDTH: usize = 79;
 
 /// What is being done.
 pub enum Work {
-    /// A file is read; the share of it that was.
+    /// A file is being read; `share` is the fraction read so far.
     Reading { file: String, share: f64 },
-    /// A signal is put together from the data, its derivatives estimated.
+    /// A signal is assembled from the data, and its derivatives are estimated.
     Preparing { signal: String },
     /// Equation `place` of `equations`, counted from 0.
     Equation {
@@ -30,15 +30,15 @@ pub enum Work {
         target: String,
         stage: Stage,
     },
-    /// Equations run along a record and have reached this time.
+    /// The equations are run along a record, up to this time so far.
     Running { record: String, time: f64 },
-    /// The page of a report is drawn.
+    /// The page of a report is being written.
     Drawing,
 }
 
-/// The line; taken back when dropped.
+/// The line is erased when this is dropped.
 pub struct ProgressLine {
-    /// `None` where there is no terminal.
+    /// `None` if there is no terminal.
     drawn: Option<(Arc<Shared>, JoinHandle<()>)>,
 }
 
@@ -71,7 +71,7 @@ impl Drop for ProgressLine {
         if let Some((shared, thread)) = self.drawn.take() {
             shared.set(State::Over);
             thread.thread().unpark();
-            // If the thread panicked, the line is no longer drawn, and that is all.
+            // If the thread has panicked, only the line is missing.
             let _ = thread.join();
         }
     }
@@ -85,7 +85,7 @@ enum State {
     Over,
 }
 
-/// What the working thread sets and the drawing thread reads.
+/// State that the working thread writes and the drawing thread reads.
 struct Shared {
     clock: Clock,
     state: Mutex<State>,
@@ -94,7 +94,7 @@ struct Shared {
 impl Shared {
     fn set(&self, new: State) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        // Cleared under the lock, so that the thread draws nothing after it.
+        // Erased under the lock, so that the thread draws nothing afterwards.
         if matches!(*state, State::At(_)) && !matches!(new, State::At(_)) {
             print(CLEAR_LINE);
         }
@@ -163,7 +163,7 @@ fn share(done: usize, all: usize) -> String {
     format!("{part:.0} % of {all} columns")
 }
 
-/// How far a solver is; a figure of zero is one that it does not know.
+/// How far a solver is; zero stands for an unknown number.
 fn figures(p: SolverProgress) -> String {
     let mut known = Vec::new();
     if p.round > 0 {

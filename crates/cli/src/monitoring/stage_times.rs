@@ -1,6 +1,6 @@
-//! With `-v`: every stage on a line of standard error, with the time it took.
+//! With `-v`: a line on standard error for every stage, with the time that it took.
 //!
-//! In: stages as they begin or end. Out: lines. Says nothing where nobody asked for it.
+//! In: stages as they begin or end. Out: lines, if they were requested.
 
 use std::cell::RefCell;
 use std::time::Instant;
@@ -10,18 +10,18 @@ use sidc::Stage;
 
 /// The stages of a command and their times.
 pub struct StageTimes {
-    /// `None` where nobody asked for them.
+    /// `None` if no stage times were requested.
     current: Option<RefCell<Current>>,
 }
 
 struct Current {
     since: Instant,
-    /// The stage of an equation, which ends when another begins.
+    /// The stage of an equation; it ends when another begins.
     name: Option<String>,
 }
 
 impl StageTimes {
-    /// The first stage begins now.
+    /// The first stage starts now.
     pub fn start(wanted: bool) -> Self {
         let current = wanted.then(|| {
             RefCell::new(Current {
@@ -41,12 +41,12 @@ impl StageTimes {
         }
     }
 
-    /// Work on an equation goes on; its stage is printed when it ends.
+    /// An equation is in this stage; it is printed when it ends.
     pub fn equation(&self, stage: Stage, target: &str) {
         let Some(current) = &self.current else { return };
         let mut current = current.borrow_mut();
         let stage = match stage {
-            // One line for all equations, once they are weighed.
+            // Weighing is printed once for all equations, when it is done.
             Stage::Weighing => return current.close(),
             Stage::Evaluating => "library evaluated",
             Stage::Solving(_) => "solved",
@@ -77,7 +77,7 @@ impl Current {
         }
     }
 
-    /// Prints a stage with the time since it began; the next one begins.
+    /// Prints a stage with its time, and starts the next one.
     fn print(&mut self, name: &str) {
         let seconds = self.since.elapsed().as_secs_f64();
         stderr::replace_line(&format!("{seconds:>9.3} s  {name}\n"));

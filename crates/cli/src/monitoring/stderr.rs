@@ -1,14 +1,13 @@
-//! Standard error while the progress line may be on it.
+//! Standard error while the progress line may be shown.
 //!
-//! In: texts. Out: the same, with the line taken back before them. Errors of writing are ignored: progress that cannot be shown
-//! is no reason to stop.
+//! In: texts. Out: the same texts, after erasing the line. Write errors are ignored: failing to show progress is no reason to stop.
 
 use std::io::{IsTerminal, Write};
 
-/// To the start of the line, then delete to its end.
+/// Moves to the start of the line and deletes to its end.
 pub const CLEAR_LINE: &str = "\r\x1b[K";
 
-/// Prints a text in place of the progress line, for callers who do not hold it.
+/// Prints a text in place of the progress line, for callers without access to it.
 pub fn replace_line(text: &str) {
     let clear = if std::io::stderr().is_terminal() {
         CLEAR_LINE

@@ -1,4 +1,4 @@
-//! How much a command prints on standard error, as the user asked for it.
+//! How much a command prints on standard error, as the user requested.
 
 /// How much is printed on stderr.
 #[derive(clap::Args)]
@@ -20,7 +20,7 @@ impl Verbosity {
     }
 }
 
-/// How much of the notes is printed: `check` is for reading them, `identify` for the equations.
+/// How much of the notes is printed. `check` prints them in full; `identify` is about the equations.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Notes {
     Full,

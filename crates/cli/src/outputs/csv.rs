@@ -1,6 +1,6 @@
 //! Cells of the tables that commands write.
 
-/// A number, as short as it reads back to the same value; nothing for a missing one.
+/// The shortest text that reads back to the same value; empty for a missing one.
 pub fn number(x: Option<&f64>) -> String {
     match x {
         Some(x) if *x == 0.0 || (1e-4..1e15).contains(&x.abs()) => format!("{x}"),
@@ -9,7 +9,7 @@ pub fn number(x: Option<&f64>) -> String {
     }
 }
 
-/// The name of a record in quotes.
+/// The quoted name of a record.
 pub fn quoted(name: &str) -> String {
     format!("\"{}\"", name.replace('"', "'"))
 }

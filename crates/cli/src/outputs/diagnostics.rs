@@ -1,6 +1,6 @@
 //! Diagnostics on standard error.
 //!
-//! In: diagnostics, the sources that they point into. Out: their text, in colour on a terminal.
+//! In: diagnostics, the sources that they refer to. Out: their text, in colour on a terminal.
 
 use std::io::IsTerminal;
 
@@ -16,7 +16,7 @@ pub fn render(diagnostics: &[Diagnostic], sources: &Sources) -> String {
     lang::render(diagnostics, sources, colour)
 }
 
-/// The failure that diagnostics are.
+/// Diagnostics as a failure.
 pub fn failure(diagnostics: &[Diagnostic], sources: &Sources) -> Failure {
     Failure::new(render(diagnostics, sources))
 }
@@ -24,7 +24,7 @@ pub fn failure(diagnostics: &[Diagnostic], sources: &Sources) -> Failure {
 /// Prints the diagnostics of a stage.
 ///
 /// # Errors
-/// The stage has no result: the diagnostics are the failure.
+/// The diagnostics, if the stage has no result.
 pub fn report<T>(
     staged: (Option<T>, Vec<Diagnostic>),
     sources: &Sources,
@@ -41,7 +41,7 @@ pub fn report<T>(
         }
         diagnostics.retain(|d| !is_note(d));
     }
-    // Errors last, next to the prompt: they are what has to be mended.
+    // Errors come last, next to the prompt, because they must be fixed.
     diagnostics.sort_by_key(|d| std::cmp::Reverse(d.severity));
     let text = render(&diagnostics, sources);
     match result {

@@ -1,6 +1,6 @@
-//! The warning that a result is doubted, for commands that put it to use.
+//! The warning that a result is in doubt, for commands that use results.
 //!
-//! In: a discovery. Out: one warning on standard error, or none.
+//! In: a discovery. Out: at most one warning on standard error.
 
 use sidc_emit as emit;
 use sidc_system::discovery::{Discovery, Notice};
@@ -10,7 +10,7 @@ pub fn doubted(d: &Discovery) -> Option<Notice> {
     emit::doubted(d).map(|text| Notice::new("doubted-result", text))
 }
 
-/// Writes it to standard error.
+/// Writes the warning to standard error.
 pub fn warn(d: &Discovery) {
     if let Some(w) = doubted(d) {
         eprintln!("warning[{}]: {}", w.code, w.text);

@@ -1,6 +1,6 @@
-//! Files that are written: whole or not at all.
+//! Writes files completely or not at all.
 //!
-//! In: a path, a text or bytes. Out: the file replaced, or the failure with the old file as it was.
+//! In: a path, a text or bytes. Out: the file replaced, or a failure with the old file unchanged.
 
 use std::fs::{File, Metadata};
 use std::io::Write;
@@ -15,10 +15,10 @@ use sidc_data::io_error_text;
 /// Prefix of temporary files: hidden, and with the name of the program, because a killed process may leave one behind.
 const TEMPORARY: &str = ".sidc-";
 
-/// Checks before the work that its result can be written, and replaces no input.
+/// Checks before the work starts that the result can be written and overwrites no input.
 ///
 /// # Errors
-/// The place is one of `inputs`, under whatever name; nothing can be written there.
+/// The path is one of `inputs`, possibly under another name, or cannot be written to.
 pub fn check_writable<'a>(
     place: Option<&Path>,
     inputs: impl IntoIterator<Item = &'a PathBuf>,
@@ -34,13 +34,13 @@ pub fn check_writable<'a>(
             shown(read)
         )));
     }
-    // Without a name, so that nothing is left if the process ends here.
+    // An unnamed file, so that nothing is left behind if the process ends here.
     tempfile::tempfile_in(&target.folder)
         .map(drop)
         .map_err(|e| fail(path, &e))
 }
 
-/// Writes to a file, or to standard output where none is named.
+/// Writes to a file, or to standard output if no file is named.
 pub fn write_or_print(place: Option<&Path>, content: impl AsRef<[u8]>) -> Result<(), Failure> {
     match place {
         Some(path) => write(path, content),
@@ -48,15 +48,15 @@ pub fn write_or_print(place: Option<&Path>, content: impl AsRef<[u8]>) -> Result
     }
 }
 
-/// Writes a file by way of a temporary one beside it, so that the old file stays whole until the new one is. A link is followed;
-/// the file keeps its permissions.
+/// Writes a temporary file in the same folder and renames it, so that the old file is intact until the new one is complete. Links are followed, and
+/// permissions are kept.
 pub fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Failure> {
     let content = content.as_ref();
     let fail = |e: &std::io::Error| fail(path, e);
     let Some(target) = Target::of(path)? else {
         return std::fs::write(path, content).map_err(|e| fail(&e));
     };
-    // A process that Ctrl-C ended here would leave its temporary file.
+    // If Ctrl-C ended the process here, the temporary file would remain.
     let _whole = interrupts::hold_off();
     let mut file = temporary(&target.folder).map_err(|e| fail(&e))?;
     file.write_all(content).map_err(|e| fail(&e))?;
@@ -68,16 +68,16 @@ pub fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A file to be written, with all links followed.
+/// A file to write, with all links resolved.
 struct Target {
     place: PathBuf,
     folder: PathBuf,
-    /// What is there now.
+    /// The file there now.
     old: Option<Metadata>,
 }
 
 impl Target {
-    /// `None` for /dev/stdout and the like, which cannot be renamed over.
+    /// `None` for /dev/stdout and the like, which cannot be replaced by renaming.
     fn of(path: &Path) -> Result<Option<Target>, Failure> {
         let refuse = |why: &str| Err(unwritable(path, why));
         let old = std::fs::metadata(path).ok();
@@ -98,7 +98,7 @@ impl Target {
         Ok(Some(Target { place, folder, old }))
     }
 
-    /// Whether another path leads here: by links of either kind.
+    /// Whether another path leads to this file, by symbolic or hard links.
     #[cfg(unix)]
     fn is(&self, other: &Path) -> bool {
         use std::os::unix::fs::MetadataExt;
@@ -107,7 +107,7 @@ impl Target {
         self.old.is_some() && self.old.as_ref().map(file) == read.as_ref().map(file)
     }
 
-    /// Whether another path leads here; hard links are not seen.
+    /// Whether another path leads to this file; hard links are not detected.
     #[cfg(not(unix))]
     fn is(&self, other: &Path) -> bool {
         std::fs::canonicalize(other).is_ok_and(|p| p == self.place)
@@ -126,7 +126,7 @@ fn unwritable(path: &Path, why: &str) -> Failure {
 #[cfg(unix)]
 fn temporary(folder: &Path) -> std::io::Result<tempfile::NamedTempFile> {
     use std::os::unix::fs::PermissionsExt;
-    // As readable as any new file; temporary files are their owner's alone by default.
+    // Default permissions of a new file; those of temporary files exclude all others.
     tempfile::Builder::new()
         .prefix(TEMPORARY)
         .permissions(std::fs::Permissions::from_mode(0o666))
@@ -139,11 +139,11 @@ fn temporary(folder: &Path) -> std::io::Result<tempfile::NamedTempFile> {
     builder.prefix(TEMPORARY).tempfile_in(folder)
 }
 
-/// Gives the new file owner and permissions of the old one.
+/// Copies owner and permissions of the old file to the new one.
 #[cfg(unix)]
 fn copy_permissions(new: &File, old: &Metadata) -> std::io::Result<()> {
     use std::os::unix::fs::{MetadataExt, fchown};
-    // Only root may change the owner; for everyone else it is the same.
+    // Only root may change the owner; for others it is already the same.
     let _ = fchown(new, Some(old.uid()), Some(old.gid()));
     new.set_permissions(old.permissions())
 }

@@ -1,4 +1,4 @@
-//! What comes out: files, standard output, diagnostics, and the parts of an answer that several commands print.
+//! Outputs: files, standard output, diagnostics, and the parts of an answer that several commands print.
 
 pub mod csv;
 pub mod diagnostics;

@@ -1,10 +1,10 @@
-//! What files are called in messages and results.
+//! Names of files in messages and results.
 
 use std::path::Path;
 
 use sidc_lang::source::printable;
 
-/// The file's name without folders: what messages and results call it.
+/// The file's name without folders, as messages and results show it.
 pub fn short_name(path: &Path) -> String {
     path.file_name().map_or_else(
         || path.display().to_string(),
@@ -12,12 +12,12 @@ pub fn short_name(path: &Path) -> String {
     )
 }
 
-/// A path as messages show it: a name may be any bytes.
+/// A path as messages show it; it may hold arbitrary bytes.
 pub fn shown(path: &Path) -> String {
     printable(&path.display().to_string())
 }
 
-/// A word as a shell takes it.
+/// A word quoted for a shell.
 pub fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_=./,:%+@".contains(c);
     match !word.is_empty() && word.chars().all(plain) {

@@ -1,4 +1,4 @@
-//! What was measured and what was estimated, as text.
+//! Which signals were measured and which were estimated, as text.
 
 use sidc::pipeline::{self, Measured, Program};
 use sidc_lang::number::significant;
@@ -7,7 +7,7 @@ use sidc_lang::words::beginning;
 
 use crate::thresholds::LISTS;
 
-/// The name of the only trajectory, or how many there are.
+/// The name of the only trajectory, or the number of trajectories.
 pub fn trajectories(measured: &Measured) -> String {
     match measured.dataset.trajectories.as_slice() {
         [one] => one.name.clone(),
@@ -15,7 +15,7 @@ pub fn trajectories(measured: &Measured) -> String {
     }
 }
 
-/// A line of the signals measured, and a line for each that was estimated: how, and with what error.
+/// A line for the measured signals, and a line for each estimated one with its method and error.
 pub fn describe(program: &Program, measured: &Measured) -> String {
     let entries = pipeline::signal_entries(program, measured);
     let columns = measured.dataset.trajectories.first().map(|t| &t.columns);

@@ -1,4 +1,4 @@
-//! What lies beside a model, as far as an editor needs it: tables by their columns, and files that it includes.
+//! What an editor needs from the folder of a model: the columns of tables, and the text of included files.
 
 /// A data file and the names of its columns.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -7,16 +7,16 @@ pub struct TableHeader {
     pub columns: Vec<String>,
 }
 
-/// The folder of a model, which is known by its URI.
+/// The folder of a model, given by the model's URI.
 pub trait Folder {
-    /// The tables beside the model, that of its own name first. Nothing if there is no such folder.
+    /// The tables in the folder of the model, the one with its name first; empty if there is no such folder.
     fn tables(&self, model: &str) -> Vec<TableHeader>;
 
-    /// The text of a file by its path from that folder, or why there is none.
+    /// The text of a file by its path relative to that folder, or why it cannot be read.
     fn text(&self, model: &str, path: &str) -> Result<String, String>;
 }
 
-/// Where no files are.
+/// No folder at all.
 impl Folder for () {
     fn tables(&self, _: &str) -> Vec<TableHeader> {
         Vec::new()

@@ -1,13 +1,13 @@
-//! Libraries of a checked model by their places.
+//! Finds libraries of a checked model by position.
 //!
-//! In: a program. Out: for an equation, a named library or a generator, its terms as one equation expands them.
+//! In: a program. Out: the terms of an equation, a named library or a generator, as expanded for one equation.
 
 use sidc::pipeline::Program;
 use sidc_lang::library::{self, Library, MEMORY};
 use sidc_lang::model::{Equation, LibExpr, LibKind, RightSide};
 use sidc_lang::source::Span;
 
-/// The set expression of an equation, if it seeks terms.
+/// The library expression of an equation that is searched for.
 pub fn written(equation: &Equation) -> Option<&LibExpr> {
     match &equation.right {
         RightSide::Search { library, .. } => library.as_ref(),
@@ -15,13 +15,13 @@ pub fn written(equation: &Equation) -> Option<&LibExpr> {
     }
 }
 
-/// Equations that seek terms, each with its library.
+/// Equations that are searched for, with their libraries.
 pub fn sought(program: &Program) -> impl Iterator<Item = (&Equation, &Library)> {
     let pairs = program.model.equations.iter().zip(&program.libraries);
     pairs.filter_map(|(e, l)| Some((e, l.as_ref()?)))
 }
 
-/// The part of a library that a word stands for, with the equation that it is expanded for.
+/// A part of a library, and the equation that it is expanded for.
 pub struct Part<'a> {
     pub equation: &'a Equation,
     pub part: &'a LibExpr,
@@ -33,7 +33,7 @@ impl Part<'_> {
     }
 }
 
-/// The generator whose name stands at a place.
+/// The generator whose name is at a position.
 pub fn generated(program: &Program, at: usize) -> Option<Part<'_>> {
     find(program, &|e| match &e.kind {
         LibKind::Generate { name_span, .. } => holds(*name_span, at),

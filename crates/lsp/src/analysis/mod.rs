@@ -1,7 +1,7 @@
-//! What one text means: its words, its names, its statements, and all that the compiler finds.
+//! What one text means: its words, names and statements, and the compiler's diagnostics.
 //!
-//! In: a text. Out: an [`Analysis`]. The compiler runs whole, as in `sidc check`; words and names come from the tokens, so that they exist
-//! in a text with mistakes too.
+//! In: a text. Out: an [`Analysis`]. The whole compiler runs, as in `sidc check`. Words and names come from the tokens, so that texts with errors have them
+//! too.
 
 pub mod folder;
 pub mod libraries;
@@ -24,7 +24,7 @@ use crate::thresholds::EDITOR;
 use symbols::{Symbols, Use};
 use words::{Role, Word};
 
-/// One statement by its place.
+/// One statement and its position.
 #[derive(Clone, Debug)]
 pub struct Outline {
     pub keyword: Option<Keyword>,
@@ -33,14 +33,14 @@ pub struct Outline {
 
 #[derive(Clone, Debug, Default)]
 pub struct Analysis {
-    /// All of the text but line ends and blanks, in order.
+    /// All tokens except line ends and blanks, in order.
     pub words: Vec<Word>,
     pub symbols: Symbols,
     pub statements: Vec<Outline>,
     /// The checked model with its libraries, if there are no errors.
     pub program: Option<Program>,
     pub found: Vec<Diagnostic>,
-    /// The text is larger than any model that is read.
+    /// Whether the text is too large to be read.
     pub too_large: bool,
     pub included: BTreeMap<FileId, Included>,
 }
@@ -49,16 +49,16 @@ pub struct Analysis {
 #[derive(Clone, Debug)]
 pub struct Included {
     pub name: String,
-    /// The bytes of the statement that leads to it: the first, for what an included file includes.
+    /// The bytes of the `include` statement for it; those of the first `include` if another included file includes it.
     pub by: Range<usize>,
     pub symbols: Symbols,
 }
 
-/// The number of the text itself among its sources.
+/// The text itself among its sources.
 pub const OWN: FileId = FileId(0);
 
 impl Analysis {
-    /// `files` are those that the text includes, behind a former state of it.
+    /// `files` holds an earlier version of the text, then the files that it includes.
     pub fn of(text: &str, files: &Sources) -> Analysis {
         if text.len() > EDITOR.text {
             return Analysis {
@@ -90,8 +90,8 @@ impl Analysis {
         }
     }
 
-    /// The model without the statements in which errors are, if what is left is one. Others may need those, so it is tried again without
-    /// them, a few times. `text` is that of this analysis.
+    /// The model without the statements that have errors, if the rest compiles. Removing a statement may break others, so this is repeated a few times.
+    /// `text` must be the text of this analysis.
     pub fn sound_part(&self, text: &str, files: &Sources) -> Option<Program> {
         let mut found = Cow::Borrowed(&self.found);
         let mut text = with_line_ends(text).into_owned();
@@ -124,24 +124,24 @@ impl Analysis {
         (at <= word.bytes.end).then_some(word)
     }
 
-    /// The word that holds the byte before this one: what is being typed.
+    /// The word being typed, which holds the byte before this one.
     pub fn typed(&self, at: usize) -> Option<&Word> {
         let behind = self.words.partition_point(|w| w.bytes.start < at);
         let word = self.words.get(behind.checked_sub(1)?)?;
         (at <= word.bytes.end).then_some(word)
     }
 
-    /// The name at a byte and whose it is.
+    /// The name at a byte and what it refers to.
     pub fn name(&self, at: usize) -> Option<(&Word, Use)> {
         let behind = self.words.partition_point(|w| w.bytes.start <= at);
-        // Between `x` and `=` in `x=1` a cursor is at both.
+        // In `x=1` a cursor between `x` and `=` touches both.
         let near = [behind.checked_sub(1), behind.checked_sub(2)];
         let near = near.into_iter().flatten().filter_map(|i| self.words.get(i));
         near.filter(|w| at <= w.bytes.end)
             .find_map(|w| Some((w, w.used()?)))
     }
 
-    /// The last statement that begins at or before a byte, with its number.
+    /// The last statement that begins at or before a byte, with its index.
     pub fn statement(&self, at: usize) -> Option<(usize, &Outline)> {
         let behind = self.statements.partition_point(|s| s.bytes.start <= at);
         let number = behind.checked_sub(1)?;
@@ -149,7 +149,7 @@ impl Analysis {
     }
 }
 
-/// The sources with another state of the text itself.
+/// The sources with a new version of the text itself.
 fn with_own(files: &Sources, text: &str) -> Sources {
     let mut sources = files.clone();
     match sources.get(OWN) {
@@ -159,7 +159,7 @@ fn with_own(files: &Sources, text: &str) -> Sources {
     sources
 }
 
-/// Each file that is included.
+/// Each included file.
 fn included(statements: &[Outline], text: &str, sources: &Sources) -> BTreeMap<FileId, Included> {
     let own = statements
         .iter()
@@ -187,7 +187,7 @@ fn included(statements: &[Outline], text: &str, sources: &Sources) -> BTreeMap<F
     each.collect()
 }
 
-/// Blanks in place of all but line ends.
+/// Overwrites everything except line ends with blanks.
 fn blank(text: &mut String, bytes: &Range<usize>) {
     let Some(old) = text.get(bytes.clone()) else {
         return;
@@ -208,7 +208,7 @@ impl Word {
     }
 }
 
-/// As `sidc` reads a file: a text whose lines end with `\r` alone has `\n` in its place.
+/// Replaces `\r` by `\n` in texts whose lines end with `\r` only, as `sidc` does when it reads a file.
 pub fn with_line_ends(text: &str) -> Cow<'_, str> {
     match text.contains('\n') || !text.contains('\r') {
         true => Cow::Borrowed(text),

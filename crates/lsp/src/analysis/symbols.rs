@@ -1,7 +1,7 @@
-//! What a text declares, read off its tokens, so that half-typed statements count too.
+//! The names that a text declares, taken from its tokens, so that half-typed statements count too.
 //!
-//! In: tokens and statements. Out: every declared name with its kind, order, unit and place, and the spellings that it makes. The first
-//! of two declarations of a name counts.
+//! In: tokens and statements. Out: every declared name with its kind, order, unit and position, and its spellings. If a name is declared twice, the first
+//! declaration counts.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -24,7 +24,7 @@ pub enum SymbolKind {
     Let,
     /// `let sat(v) = …`
     Function,
-    /// The `v` of it, a name in its statement alone.
+    /// The `v` of such a function, known only in its statement.
     Argument,
 }
 
@@ -33,11 +33,11 @@ pub enum SymbolKind {
 pub struct Symbol {
     pub name: String,
     pub kind: SymbolKind,
-    /// How many derivatives exist.
+    /// The number of derivatives.
     pub order: usize,
     /// As written, without quotes.
     pub unit: Option<String>,
-    /// Bytes of the name where it is declared; of the range that declares it, for `x1..x12`.
+    /// The bytes of the name in its declaration; for `x1..x12`, those of the range.
     pub place: Range<usize>,
     /// Bytes of the statement.
     pub statement: Range<usize>,
@@ -46,7 +46,7 @@ pub struct Symbol {
     pub hidden: bool,
 }
 
-/// A name as used: whose it is, and how often differentiated.
+/// A use of a name: its symbol and the order of the derivative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Use {
     pub symbol: usize,
@@ -57,7 +57,7 @@ pub struct Use {
 pub struct Symbols {
     pub all: Vec<Symbol>,
     spellings: BTreeMap<String, Use>,
-    /// Arguments of functions, by the first byte of their statement and their name.
+    /// Arguments of functions, by the first byte of their statement and by name.
     arguments: BTreeMap<(usize, String), Use>,
 }
 
@@ -73,7 +73,7 @@ impl Symbols {
         symbols
     }
 
-    /// Whose name this is in the statement that begins at a byte.
+    /// The symbol of a name in the statement that begins at a byte.
     pub fn find_in(&self, statement: Option<usize>, written: &str) -> Option<Use> {
         let own = statement.and_then(|at| self.arguments.get(&(at, normalise(written))));
         own.copied().or_else(|| self.find(written))
@@ -86,7 +86,7 @@ impl Symbols {
         self.all.iter().filter(own)
     }
 
-    /// The first of a range of names, `x1` of `x1..x10`, where `x[i]` has the stem of them.
+    /// The first of a range of names, such as `x1` of `x1..x10`, if they have the stem of `x[i]`.
     pub fn find_family(&self, written: &str) -> Option<Use> {
         let stem = normalise(written.trim_end_matches('\''));
         let from = self.spellings.range(stem.clone()..);
@@ -102,7 +102,7 @@ impl Symbols {
         found.map(|(_, used)| *used)
     }
 
-    /// Whose name this is outside of functions, primes included.
+    /// The symbol of a name outside functions, primes included.
     pub fn find(&self, written: &str) -> Option<Use> {
         let base = written.trim_end_matches('\'');
         let primes = written.len() - base.len();
@@ -122,7 +122,7 @@ impl Symbols {
         self.all.get(used.symbol)
     }
 
-    /// All spellings without primes, with what they mean.
+    /// All spellings without primes, and what they refer to.
     pub fn spellings(&self) -> impl Iterator<Item = (&str, Use)> {
         self.spellings.iter().map(|(name, u)| (name.as_str(), *u))
     }
@@ -258,7 +258,7 @@ impl Symbols {
     }
 }
 
-/// The number of tokens of a declaration up to the end of its names.
+/// The number of tokens of a declaration before the end of its names.
 fn names_end(own: &[&Token]) -> usize {
     let ends = |(i, t): (usize, &&Token)| {
         let next = own.get(i + 1);

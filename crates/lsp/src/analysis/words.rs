@@ -1,6 +1,6 @@
-//! Every token of a text with the part it plays.
+//! Every token of a text and its role.
 //!
-//! In: tokens, statements, symbols. Out: words in order. A name that means nothing here has the role [`Role::Other`].
+//! In: tokens, statements, symbols. Out: words in order. An unknown name has the role [`Role::Other`].
 
 use std::ops::Range;
 
@@ -41,11 +41,11 @@ pub enum Role {
 pub struct Word {
     pub bytes: Range<usize>,
     pub role: Role,
-    /// Number of the statement it is in.
+    /// Index of its statement.
     pub statement: Option<usize>,
 }
 
-/// Words with a meaning before `(`, beside functions.
+/// Words other than functions with a meaning before `(`.
 pub const FORMS: [&str; 6] = ["known", "required", "coef", "next", "lag", "unwrap"];
 
 pub fn words(tokens: &[Token], statements: &[StatementTokens], symbols: &Symbols) -> Vec<Word> {
@@ -91,12 +91,12 @@ pub fn words(tokens: &[Token], statements: &[StatementTokens], symbols: &Symbols
     out
 }
 
-/// A name and what stands about it.
+/// A name with its context.
 struct Around<'a, 't> {
     tokens: &'a [Token<'t>],
     i: usize,
     own: Option<&'a StatementTokens>,
-    /// Whether a `:` stands before it in its statement.
+    /// Whether a `:` precedes it in its statement.
     colon: bool,
     starts_entry: bool,
 }
@@ -163,7 +163,7 @@ impl Around<'_, '_> {
         Func::named(token.text).is_some() && (called || raised)
     }
 
-    /// Where an attribute may stand, any word of attributes is one.
+    /// Any word of an attribute counts where an attribute may stand.
     fn is_attribute(&self, token: &Token, keyword: Option<Keyword>) -> bool {
         use Keyword::{Coef, Constrain, Data, Input, Limit, Output, Param, Prefer, State, Unknown};
         let last = self.last();

@@ -1,7 +1,7 @@
 //! The help of a diagnostic as an action: every fix that changes the text.
 //!
-//! In: a range. Out: an action for each fix of each diagnostic on its lines. Editors ask about the place of the cursor, which seldom stands
-//! in the word that is wrong.
+//! In: a range. Out: an action for each fix of each diagnostic on its lines. Whole lines, because the cursor of an editor is seldom exactly on the wrong
+//! word.
 
 use std::collections::HashMap;
 
@@ -14,7 +14,7 @@ use super::diagnostics;
 use crate::analysis::OWN;
 use crate::text::document::Document;
 
-/// Whether quick fixes are of one of these kinds; a kind holds those that its name begins.
+/// Whether the kinds include quick fixes; a kind includes all kinds below it.
 pub fn has_fixes(kinds: &[CodeActionKind]) -> bool {
     let own = CodeActionKind::QUICKFIX;
     let holds = |k: &CodeActionKind| k.as_str().is_empty() || *k == own;
@@ -56,13 +56,13 @@ fn edit(document: &Document, uri: &Uri, fix: &Fix) -> WorkspaceEdit {
     WorkspaceEdit::new(HashMap::from([(uri.clone(), vec![edit])]))
 }
 
-/// Whether a line goes, which nobody wants to happen unasked.
+/// Whether the fix deletes a line, which nobody wants unasked.
 fn loses_line(document: &Document, fix: &Fix) -> bool {
     let old = document.slice(fix.span.start..fix.span.end);
     fix.text.is_empty() && old.contains('\n')
 }
 
-/// ``replace `x` by `y` ``, on one line; the help itself where lines change together.
+/// For example ``replace `x` by `y` ``, on one line; the help itself if several lines change together.
 fn title(document: &Document, d: &Diagnostic, fix: &Fix) -> String {
     let old = document.slice(fix.span.start..fix.span.end);
     let lines = old.trim_end().contains('\n') || fix.text.contains('\n');

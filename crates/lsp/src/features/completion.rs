@@ -1,7 +1,7 @@
-//! What may be typed at a place.
+//! What may be typed at a position.
 //!
-//! In: a place, the tables beside the model, whether the editor fills in snippets. Out: words of the language that fit the context, names that
-//! the text declares, columns. The context is read off the tokens before the place, so that half a statement is enough.
+//! In: a position, the tables in the model's folder, whether the editor supports snippets. Out: words of the language that fit the context, declared names,
+//! columns. The context comes from the tokens before the position, so that half a statement is enough.
 
 use std::ops::Range;
 
@@ -58,7 +58,7 @@ fn on_one_line(text: &str) -> String {
         .join(" ")
 }
 
-/// The bytes of the word that is being typed. Inside quotes, all up to the quote.
+/// The bytes of the word being typed; inside quotes, everything up to the quote.
 fn replaced(document: &Document, at: usize) -> Range<usize> {
     match document.analysis().typed(at) {
         Some(w) if w.role == Role::Text => {
@@ -90,7 +90,7 @@ impl List<'_> {
     fn push(&mut self, label: &str, form: &str, kind: Kind, detail: String, group: u8) {
         let (format, text) = match self.snippets && form.contains("${") {
             true => (InsertTextFormat::SNIPPET, form.to_string()),
-            // Editors without snippets may put a line break into a line as it is.
+            // Editors without snippets may insert a line break unchanged into a line.
             false => (
                 InsertTextFormat::PLAIN_TEXT,
                 on_one_line(&vocabulary::plain(form)),
@@ -99,7 +99,7 @@ impl List<'_> {
         self.add(label, (format, text), kind, detail, group);
     }
 
-    /// A text as it stands, whatever is in it.
+    /// A text that is inserted verbatim.
     fn literal(&mut self, text: &str, kind: Kind, detail: String, group: u8) {
         let inserted = (InsertTextFormat::PLAIN_TEXT, text.to_string());
         self.add(text, inserted, kind, detail, group);
@@ -141,7 +141,7 @@ impl List<'_> {
         }
     }
 
-    /// Equations that are missing, then keywords.
+    /// Missing equations, then keywords.
     fn statements(&mut self) {
         let analysis = self.document.analysis();
         let equations: Vec<&str> = analysis
@@ -159,7 +159,7 @@ impl List<'_> {
             let mut targets = equations.iter().flat_map(|left| left.split(','));
             let digits = |c: char| c.is_ascii_digit();
             targets.any(|t| match t.trim().split_once('[') {
-                // An equation of a family is one of those.
+                // Here `target` may belong to a family of equations.
                 Some((stem, _)) => target.trim_end_matches(digits) == stem,
                 None => t.trim() == target,
             })
@@ -190,7 +190,7 @@ impl List<'_> {
         let known = vocabulary::attributes(keyword);
         let said = self.said();
         let hidden = said.contains(&"hidden");
-        // Nothing measures a hidden state.
+        // Words for sensors do not apply to a hidden state.
         let of_sensors = |word: &str| matches!(word, "noise" | "memory" | "delay");
         let measured = said.iter().any(|word| of_sensors(word));
         let fits = |e: &&Entry| {
@@ -208,7 +208,7 @@ impl List<'_> {
         }
     }
 
-    /// The words of the statement up to the place.
+    /// The words of the statement before the position.
     fn said(&self) -> Vec<&str> {
         let analysis = self.document.analysis();
         let start = analysis.statement(self.replaced.start);
@@ -232,7 +232,7 @@ impl List<'_> {
         self.entries([step, run], Kind::PROPERTY);
     }
 
-    /// Columns of the tables beside the model, each once, and what may stand around one.
+    /// Columns of the tables in the folder, without duplicates, and the functions that may wrap a column.
     fn columns(&mut self, tables: &[TableHeader], quoted: bool) {
         let mut seen = std::collections::BTreeSet::new();
         for (place, table) in tables.iter().enumerate() {
@@ -273,10 +273,10 @@ impl List<'_> {
         }
     }
 
-    /// The terms of an equation's library; what terms are made of if nothing is sought there.
+    /// The terms of an equation's library; if it is not searched for, what terms are built from.
     fn terms(&mut self, target: &str) {
         let document = self.document;
-        // `next x` and `next(x)` are one.
+        // `next x` and `next(x)` mean the same.
         let plain = |name: &str| name.replace(['(', ')', ' '], "");
         let sought = document.program().and_then(|program| {
             let mut all = sought(program);
@@ -293,10 +293,10 @@ impl List<'_> {
         }
     }
 
-    /// Functions of the model, and the arguments of the one that is being defined.
+    /// Functions of the model, and the arguments of the function being defined.
     fn functions(&mut self) {
         let analysis = self.document.analysis();
-        // A function is not known in its own definition.
+        // A function cannot be used in its own definition.
         let at = self.replaced.start;
         let is_function = |s: &&Symbol| {
             s.kind == SymbolKind::Function && !(s.statement.start..=s.statement.end).contains(&at)
@@ -366,7 +366,7 @@ impl List<'_> {
     }
 }
 
-/// `ddx` for a state of order 2, `next x` in discrete time, the name of an output.
+/// For example `ddx` for a state of order 2; `next x` in discrete time; the name of an output.
 fn target_of(symbol: &Symbol, discrete: bool) -> Option<String> {
     match symbol.kind {
         SymbolKind::State if discrete => Some(format!("next {}", symbol.name)),

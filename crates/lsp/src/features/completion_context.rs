@@ -1,4 +1,4 @@
-//! What kind of word belongs at a place.
+//! The kind of word that fits at a position.
 //!
 //! In: an analysed document and a byte. Out: a [`Context`], from the words of the statement before that byte.
 
@@ -9,25 +9,25 @@ use crate::text::document::Document;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Context {
-    /// A comment, or a name that is only now declared.
+    /// A comment, or a name that is being declared.
     Nothing,
     /// The beginning of a statement.
     Statement,
-    /// Behind the `:` of a declaration.
+    /// After the `:` of a declaration.
     Attributes(Keyword),
     Limit,
     Norm,
     /// The beginning of a line of the data block.
     DataEntry,
-    /// A column of a table; `quoted` inside its quotes.
+    /// A column of a table; `quoted` if the position is inside its quotes.
     Column {
         quoted: bool,
     },
-    /// Names of variables: those of a symmetry.
+    /// Names of variables in a symmetry.
     Variables,
     /// The first argument of `coef`.
     Target,
-    /// The second one: a term of the equation of the first, which stands in these bytes.
+    /// The second argument: a term of the equation named by the first, whose bytes these are.
     Term {
         of: (usize, usize),
     },
@@ -46,7 +46,7 @@ pub fn context(document: &Document, at: usize) -> Context {
             _ => {}
         }
     }
-    // The word being typed says nothing about its place.
+    // The word being typed says nothing about its context.
     let named = inside.is_some_and(|w| is_name(w) || w.role == Role::Text);
     let before = match named {
         true => before.get(..typed - 1).unwrap_or(&[]),
@@ -68,7 +68,7 @@ pub fn context(document: &Document, at: usize) -> Context {
     .context()
 }
 
-/// At the very end of a comment one is still in it.
+/// The end of a comment still belongs to it.
 fn comment(document: &Document, word: &Word, at: usize) -> Context {
     let same = document.lines().line(word.bytes.start) == document.lines().line(at);
     match same {
@@ -84,7 +84,7 @@ fn is_name(word: &Word) -> bool {
     )
 }
 
-/// A place and the words before it, the nearest first.
+/// A position and the words before it, the nearest first.
 struct Place<'a> {
     document: &'a Document,
     at: usize,
@@ -148,7 +148,7 @@ impl Place<'_> {
         }
     }
 
-    /// The first argument of the `coef` whose second argument begins here.
+    /// The first argument of `coef`, if its second argument begins here.
     fn target(&self) -> Option<(usize, usize)> {
         let own: Vec<&Word> = self.in_statement().collect();
         let opened = own.iter().position(|w| self.is(w, "("))?;
@@ -158,7 +158,7 @@ impl Place<'_> {
         (called && self.is(comma, ",")).then_some((first.bytes.start, last.bytes.end))
     }
 
-    /// In quotes nothing is offered but columns.
+    /// Inside quotes, only columns are offered.
     fn fresh(&self, context: Context) -> Context {
         match self.quoted {
             true => Context::Nothing,
@@ -166,7 +166,7 @@ impl Place<'_> {
         }
     }
 
-    /// The words of the statement before the place.
+    /// The words of the statement before the position.
     fn in_statement(&self) -> impl Iterator<Item = &Word> {
         let own = self.before.first().and_then(|w| w.statement);
         self.before
@@ -179,13 +179,13 @@ impl Place<'_> {
         self.document.slice(word.bytes.clone()) == text
     }
 
-    /// Whether a line ends between the last word and the place.
+    /// Whether a line ends between the last word and the position.
     fn new_line(&self) -> bool {
         let end = self.before.first().map_or(0, |w| w.bytes.end);
         self.document.slice(end..self.at).contains('\n')
     }
 
-    /// Whether the statement goes on in the next line: an operator or a comma at the end, or an open bracket.
+    /// Whether the statement continues on the next line: after an operator or a comma, or inside brackets.
     fn goes_on(&self) -> bool {
         let open: i64 = self
             .in_statement()

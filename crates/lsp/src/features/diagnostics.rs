@@ -1,6 +1,6 @@
-//! What the compiler finds, as the protocol shows it.
+//! The compiler's diagnostics in the form of the protocol.
 //!
-//! In: an analysed document. Out: its diagnostics, the gravest first. Message, label, facts and help are one text, as on a terminal.
+//! In: an analysed document. Out: its diagnostics, the most severe first. Message, label, facts and help form one text, as on a terminal.
 
 use std::ops::Range as Bytes;
 
@@ -60,7 +60,7 @@ pub fn diagnostic(document: &Document, uri: &Uri, d: &lang::Diagnostic) -> Diagn
     }
 }
 
-/// The bytes of a place; of one in a file that is included, those of the statement that does, and the name of the file.
+/// The bytes of a span. For a span in an included file, the bytes of the `include` statement and the file's name.
 fn place(document: &Document, span: Span) -> (Bytes<usize>, Option<&str>) {
     match document.analysis().included.get(&span.file) {
         Some(file) => (file.by.clone(), Some(&file.name)),

@@ -1,4 +1,4 @@
-//! What can be folded: statements over several lines, and runs of comments.
+//! What can be folded: statements of several lines, and runs of comments.
 
 use lsp_types::{FoldingRange, FoldingRangeKind};
 

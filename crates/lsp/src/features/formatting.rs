@@ -1,6 +1,6 @@
-//! The layout of `sidc fmt`, as the lines that change.
+//! The layout of `sidc fmt`, as an edit.
 //!
-//! In: a document. Out: one edit from the first line that differs to the last; none if nothing does or the text has errors.
+//! In: a document. Out: one edit from the first changed line to the last; none if nothing changes or the text has errors.
 
 use lsp_types::TextEdit;
 use sidc_lang::source::FileId;

@@ -1,6 +1,6 @@
-//! What a word means: unit, order and declaration of a name; size, memory and terms of a library; the use of a function.
+//! Explains a word: unit, order and declaration of a name; size, memory and terms of a library; usage of a function.
 //!
-//! In: a place, and the tables beside the model. Out: Markdown. Texts of the file stand in code, so that no name becomes a heading or a link.
+//! In: a position, and the tables in the model's folder. Out: Markdown. Texts from files are put in code blocks, so that no name becomes a heading or a link.
 
 use lsp_types::{Hover, HoverContents, MarkupContent, MarkupKind, Position};
 use sidc_lang::library::{Library, generator, size, storage};
@@ -62,7 +62,7 @@ fn entry<'a>(mut all: impl Iterator<Item = &'a vocabulary::Entry>, word: &str) -
     ))
 }
 
-/// Text of a file as a block of code, whatever backticks it has.
+/// A text in a code block, however many backticks it has.
 fn code(text: &str) -> String {
     let longest = text.split(|c| c != '`').map(str::len).max().unwrap_or(0);
     let fence = "`".repeat(longest.max(2) + 1);
@@ -117,7 +117,7 @@ fn kind(symbol: &Symbol, derivative: usize) -> String {
     }
 }
 
-/// The unit of a derivative: that of its variable per unit of time.
+/// The unit of a derivative: the unit of its variable divided by powers of that of time.
 fn unit(document: &Document, symbol: &Symbol, derivative: usize) -> Option<Unit> {
     let symbols = &document.analysis().symbols;
     let parse = |text: &String| Some(units::parse(text).ok()?.0);
@@ -141,7 +141,7 @@ fn unit_of_time(document: &Document) -> String {
     }
 }
 
-/// The library that is sought for a target.
+/// The library of a target.
 fn target(document: &Document, canonical: &str) -> Option<String> {
     let program = document.program()?;
     let sought = |(e, _): &(&sidc_lang::model::Equation, &Library)| {
@@ -151,7 +151,7 @@ fn target(document: &Document, canonical: &str) -> Option<String> {
     Some(described(document, library))
 }
 
-/// The libraries of the equation whose `~` this is.
+/// The libraries of the equations with this `~`.
 fn sought(document: &Document, tilde: &Word) -> Option<String> {
     let program = document.program()?;
     let here = libraries::sought(program)
@@ -174,7 +174,7 @@ fn named_library(document: &Document, symbol: &Symbol) -> Option<String> {
     Some(described(document, &part.library(program)))
 }
 
-/// Size, memory and the first terms.
+/// Size, memory and the first terms of a library.
 fn described(document: &Document, library: &Library) -> String {
     let Some(program) = document.program() else {
         return String::new();
@@ -217,7 +217,7 @@ fn function(name: &str) -> Option<String> {
     Some(format!("{}\n\n{domain}", code(&form)))
 }
 
-/// The files beside the model that have a column.
+/// The files in the folder that have a column.
 fn column(header: &str, tables: &[TableHeader]) -> Option<String> {
     let has = |t: &&TableHeader| t.columns.iter().any(|c| c == header);
     let files: Vec<String> = tables.iter().filter(has).map(|t| t.file.clone()).collect();

@@ -1,4 +1,4 @@
-//! The number of terms behind each library: of equations, and of every `let` that is one.
+//! The number of terms of each library: in equations, and in every `let` that is a library.
 
 use lsp_types::{InlayHint, InlayHintKind, InlayHintLabel, InlayHintTooltip, Range};
 use sidc_lang::ast::Keyword;
@@ -20,7 +20,7 @@ pub fn hints(document: &Document, range: Range) -> Vec<InlayHint> {
     let sought = libraries::sought(program);
     for (equation, library) in sought.filter(|(e, _)| e.span.file == OWN) {
         let at = equation.span.end;
-        // `ddx, ddy ~ …` is several equations; mostly they have as many terms.
+        // `ddx, ddy ~ …` is several equations, usually with the same number of terms.
         if said == Some((at, library.len())) {
             continue;
         }

@@ -1,4 +1,4 @@
-//! One file for each question that an editor asks. In: a document. Out: the answer in the types of the protocol.
+//! One file for each kind of request. In: a document. Out: the answer in the types of the protocol.
 
 pub mod code_actions;
 pub mod completion;

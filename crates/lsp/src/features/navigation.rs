@@ -1,6 +1,6 @@
 //! Where a name is declared, and where it is used.
 //!
-//! In: a place in the text. Out: places. A derivative belongs to its variable: `ddx` leads to `state x`.
+//! In: a position. Out: ranges. A derivative belongs to its variable: `ddx` leads to `state x`.
 
 use std::ops::Range;
 
@@ -26,7 +26,7 @@ pub fn references(document: &Document, uri: &Uri, at: Position, declared: bool) 
     let symbol = analysis
         .name(at)
         .and_then(|(_, used)| analysis.symbols.get(used));
-    // A name that a range declares has no word of its own there.
+    // A name declared by a range has no word of its own there.
     places.extend(symbol.filter(|_| declared).map(|s| s.place.clone()));
     places.sort_by_key(|p| p.start);
     let places = places.into_iter().map(|p| document.range(p));
@@ -47,7 +47,7 @@ pub fn highlights(document: &Document, at: Position) -> Vec<DocumentHighlight> {
     highlights.collect()
 }
 
-/// Every word that means the variable or `let` at a place, the declaration among them.
+/// Every word that refers to the variable or `let` at a position, including the declaration.
 pub fn occurrences(document: &Document, at: usize) -> Vec<&Word> {
     let analysis = document.analysis();
     let Some((_, used)) = analysis.name(at) else {

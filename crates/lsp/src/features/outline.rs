@@ -1,4 +1,4 @@
-//! The model as a list: what is declared, and the equations.
+//! The model as a list of declarations and equations.
 
 use lsp_types::{DocumentSymbol, SymbolKind as Shown};
 use sidc_lang::ast::Keyword;
@@ -48,7 +48,7 @@ fn declared(document: &Document, symbol: &Symbol) -> DocumentSymbol {
     )
 }
 
-/// An equation, the data block, the name of the model, or what is said of coefficients.
+/// An equation, the data block, the name of the model, or a statement about coefficients.
 fn stated(document: &Document, statement: &Outline) -> Option<DocumentSymbol> {
     let text = document.slice(statement.bytes.clone());
     let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -69,7 +69,7 @@ fn stated(document: &Document, statement: &Outline) -> Option<DocumentSymbol> {
         }
         _ => return None,
     };
-    // Clients refuse symbols without a name.
+    // Clients reject symbols without a name.
     let name = match name.is_empty() {
         true => "…".to_string(),
         false => name,
@@ -85,7 +85,7 @@ fn entry(
     kind: Shown,
     (all, own): (&std::ops::Range<usize>, &std::ops::Range<usize>),
 ) -> DocumentSymbol {
-    // Deprecated by the protocol, but without a default in its type.
+    // The field is deprecated by the protocol, but its type has no default.
     #[allow(deprecated)]
     DocumentSymbol {
         name,

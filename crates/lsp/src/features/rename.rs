@@ -1,7 +1,7 @@
-//! A variable or `let` gets another name, everywhere, its derivatives too.
+//! Renames a variable or `let` everywhere, including its derivatives.
 //!
-//! In: a place and the new name. Out: the changes, or why the name is not possible. What the name was in a table stays: columns are matched by
-//! name, so a renamed signal gets an entry in the data block by hand.
+//! In: a position and the new name. Out: the changes, or why the name is not possible. Columns of tables keep their names and are matched by name, so the
+//! user must add an entry for a renamed signal to the data block.
 
 use std::collections::HashMap;
 
@@ -17,10 +17,10 @@ use crate::features::navigation::occurrences;
 use crate::text::document::Document;
 use crate::vocabulary;
 
-/// The part of the word at a place that would be renamed: `theta` of `ddtheta`.
+/// The part of a word that would be renamed: `theta` in `ddtheta`.
 ///
 /// # Errors
-/// Nothing there has a name that can be changed.
+/// No name that can be changed is there.
 pub fn prepare(document: &Document, at: Position) -> Result<PrepareRenameResponse, String> {
     let (word, symbol, used) = target(document, at)?;
     let base = base(document, word, used);
@@ -31,7 +31,7 @@ pub fn prepare(document: &Document, at: Position) -> Result<PrepareRenameRespons
 }
 
 /// # Errors
-/// The new name is none, or is taken.
+/// The new name is not a name, or it is taken.
 #[allow(
     clippy::mutable_key_type,
     reason = "the protocol's type; a URI never changes"
@@ -64,7 +64,7 @@ pub fn rename(
     Ok(WorkspaceEdit::new(HashMap::from([(uri.clone(), edits)])))
 }
 
-/// Words that mean something wherever they stand, or in a data block.
+/// Words that have a meaning anywhere, or in a data block.
 fn has_meaning(name: &str) -> bool {
     let forms = vocabulary::FORMS.iter().chain(&vocabulary::DATA);
     matches!(name, "t" | "pi" | "in")
@@ -73,7 +73,7 @@ fn has_meaning(name: &str) -> bool {
         || forms.map(|e| e.word).any(|word| word == name)
 }
 
-/// Ranges `x1..x5`, families and data blocks may need the old name: what comes out has no error that was not there.
+/// Checks that renaming adds no error: ranges `x1..x5`, families and data blocks may need the old name.
 fn still_compiles(
     document: &Document,
     symbol: &Symbol,
@@ -112,7 +112,7 @@ fn target(document: &Document, at: Position) -> Result<(&Word, &Symbol, Use), St
     }
 }
 
-/// The bytes of the variable's own name in a word: without the `d`s of a derivative and without primes.
+/// The bytes of the variable's name in a word, without the `d`s of a derivative and without primes.
 fn base(document: &Document, word: &Word, used: Use) -> std::ops::Range<usize> {
     let text = document.slice(word.bytes.clone());
     let primes = text.len() - text.trim_end_matches('\'').len();
@@ -120,7 +120,7 @@ fn base(document: &Document, word: &Word, used: Use) -> std::ops::Range<usize> {
     word.bytes.start + letters..word.bytes.end - primes
 }
 
-/// Whether no other name is, and none would become, one of the new spellings.
+/// Checks that none of the new spellings is another name, or would become one.
 fn free(document: &Document, symbol: &Symbol, new: &str) -> Result<(), String> {
     let symbols = &document.analysis().symbols;
     let argument = symbols.all.iter().find(|s| {

@@ -1,6 +1,6 @@
-//! Every word with its meaning, for colours that follow it.
+//! The role of every word, for syntax highlighting.
 //!
-//! In: a document. Out: tokens as the protocol packs them: each place relative to the one before.
+//! In: a document. Out: tokens in the packed form of the protocol, each position relative to the one before.
 
 use lsp_types::{SemanticToken, SemanticTokenModifier, SemanticTokenType};
 
@@ -8,7 +8,7 @@ use crate::analysis::symbols::SymbolKind;
 use crate::analysis::words::{Role, Word};
 use crate::text::document::Document;
 
-/// The types that tokens refer to by number.
+/// The types that tokens refer to by index.
 pub const TYPES: [SemanticTokenType; 11] = [
     SemanticTokenType::KEYWORD,
     SemanticTokenType::PROPERTY,
@@ -42,7 +42,7 @@ pub fn tokens(document: &Document) -> Vec<SemanticToken> {
             continue;
         };
         let place = document.position(word.bytes.start);
-        // No token may go beyond its line.
+        // A token must not extend beyond its line.
         let end = document
             .lines()
             .range(&document.text, place.line as usize)
@@ -65,7 +65,7 @@ pub fn tokens(document: &Document) -> Vec<SemanticToken> {
     out
 }
 
-/// The type of a word, as its number in [`TYPES`], and its modifiers.
+/// The type of a word, as its index in [`TYPES`], and its modifiers.
 fn meaning(document: &Document, word: &Word) -> Option<(u32, u32)> {
     let of = |used, more: u32| {
         let symbol = document.analysis().symbols.get(used)?;

@@ -1,7 +1,7 @@
-//! Requests by their method, each to its feature.
+//! Passes each request to its feature.
 //!
-//! In: a request. Out: its response. A request about a text that is not open is answered with nothing; a method or parameters that the protocol
-//! does not have, with an error of the protocol.
+//! In: a request. Out: its response. A request about a text that is not open gets an empty answer; an unknown method or invalid parameters get an error of
+//! the protocol.
 
 use lsp_server::{ErrorCode, Request, Response};
 use lsp_types::{
@@ -21,7 +21,7 @@ use crate::features::{
 };
 use crate::text::document::Document;
 
-/// An answer, or the code and the text of an error.
+/// An answer, or the code and text of an error.
 type Answer = Result<Value, (ErrorCode, String)>;
 
 impl Server<'_> {

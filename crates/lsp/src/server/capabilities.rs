@@ -1,4 +1,4 @@
-//! What the server says it can do.
+//! The capabilities that the server announces.
 
 use lsp_types::{
     CodeActionKind, CodeActionOptions, CodeActionProviderCapability, CompletionOptions,
@@ -11,7 +11,7 @@ use lsp_types::{
 use crate::features::semantic_tokens::{MODIFIERS, TYPES};
 use crate::text::positions::Encoding;
 
-/// Characters after which an editor asks for completion by itself.
+/// Characters after which an editor requests completions unasked.
 const TRIGGERS: [&str; 7] = ["\"", ":", "~", "(", "<", ",", "="];
 
 pub fn capabilities(encoding: Encoding) -> ServerCapabilities {

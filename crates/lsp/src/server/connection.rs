@@ -1,4 +1,4 @@
-//! A conversation from `initialize` to `exit`.
+//! A session from `initialize` to `exit`.
 
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
@@ -8,22 +8,22 @@ use super::Server;
 use crate::analysis::folder::Folder;
 use crate::thresholds::EDITOR;
 
-/// Answers an editor until it says `exit` or closes the connection. True if it said `shutdown` before.
+/// Answers an editor until it sends `exit` or closes the connection. True if it sent `shutdown` before.
 ///
 /// # Errors
-/// The editor breaks the protocol before the first text is open.
+/// The editor violates the protocol during initialization.
 pub fn serve(connection: &Connection, folder: &dyn Folder) -> Result<bool, ProtocolError> {
     let (id, params) = connection.initialize_start()?;
     let mut server = Server::new(folder);
     connection.initialize_finish(id, server.introduce(params))?;
-    // The channel of lsp-server holds nothing, so that it never tells whether a message waits.
+    // The channel of lsp-server has no buffer, so it cannot tell whether a message is waiting.
     let (sender, waiting) = sync_channel(EDITOR.waiting);
     std::thread::scope(|scope| {
         scope.spawn(|| forward(connection, sender));
         answer_all(&mut server, &waiting, |answer| {
             connection.sender.send(answer).is_ok()
         });
-        // What still comes finds nobody, and the thread ends.
+        // Later messages have no receiver, which ends the thread.
         drop(waiting);
     });
     Ok(server.down)
@@ -33,7 +33,7 @@ fn is_exit(message: &Message) -> bool {
     matches!(message, Message::Notification(n) if n.method == "exit")
 }
 
-/// Every message up to `exit`, as far as somebody listens.
+/// Forwards every message up to `exit`, while there is a receiver.
 fn forward(connection: &Connection, sender: SyncSender<Message>) {
     for message in &connection.receiver {
         let last = is_exit(&message);
@@ -43,7 +43,7 @@ fn forward(connection: &Connection, sender: SyncSender<Message>) {
     }
 }
 
-/// Answers until `exit`, or until there is nobody to `send` to. Whoever types faster than texts are understood hears about the last of them.
+/// Answers until `exit`, or until `send` fails. Diagnostics are sent only when no message waits, so fast typing gets those of the last text.
 fn answer_all(server: &mut Server, waiting: &Receiver<Message>, send: impl Fn(Message) -> bool) {
     let mut next = waiting.recv().ok();
     while let Some(message) = next.filter(|m| !is_exit(m)) {

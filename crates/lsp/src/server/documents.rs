@@ -1,7 +1,6 @@
-//! The texts that are open in the editor, by their URI.
+//! The texts that are open in the editor, by URI.
 //!
-//! In: notifications of opening, changes and closing. Out: documents, and which of them changed. What is not understood is left out, as the
-//! protocol asks.
+//! In: notifications of opening, changes and closing. Out: documents, and which of them changed. Unknown notifications are ignored, as the protocol demands.
 
 use std::collections::BTreeMap;
 
@@ -55,7 +54,7 @@ impl Documents {
         }
     }
 
-    /// The URIs of texts that changed since this was last asked, closed ones too.
+    /// The URIs of texts that changed since the last call, including closed ones.
     pub fn take_changed(&mut self) -> Vec<Uri> {
         std::mem::take(&mut self.changed)
     }

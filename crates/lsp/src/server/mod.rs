@@ -1,7 +1,7 @@
 //! The protocol: messages in, messages out.
 //!
-//! [`Server`] has the open texts and answers one message at a time; [`serve`] reads messages until the editor says goodbye. What the compiler
-//! finds is sent when no message waits, so that fast typing is answered once and not letter by letter; no clock is asked.
+//! [`Server`] stores the open texts and answers one message at a time; [`serve`] reads messages until the editor ends the session. Diagnostics are sent when
+//! no message waits, so that fast typing is answered once and not letter by letter, without a clock.
 
 mod answers;
 mod capabilities;
@@ -19,13 +19,13 @@ use crate::features::diagnostics;
 use crate::text::positions::Encoding;
 use documents::Documents;
 
-/// The texts that are open, and how their editor speaks.
+/// The open texts, and what the editor supports.
 pub struct Server<'t> {
     folder: &'t dyn Folder,
     documents: Documents,
-    /// Whether the editor fills in snippets.
+    /// Whether the editor supports snippets.
     snippets: bool,
-    /// `shutdown` was asked; nothing but `exit` is to follow.
+    /// `shutdown` was received; only `exit` may follow.
     down: bool,
 }
 
@@ -39,7 +39,7 @@ impl<'t> Server<'t> {
         }
     }
 
-    /// The answer to `initialize`: learns what the editor can do, and says what this server can.
+    /// Answers `initialize`: reads what the editor supports, and returns the capabilities of the server.
     pub fn introduce(&mut self, params: Value) -> Value {
         let params = serde_json::from_value(params).unwrap_or_default();
         serde_json::to_value(self.initialize(&params)).unwrap_or_default()
@@ -62,7 +62,7 @@ impl<'t> Server<'t> {
         }
     }
 
-    /// Answers one message. A notification has no answer; its diagnostics come with [`Server::due`].
+    /// Answers one message. A notification has no answer; its diagnostics come from [`Server::due`].
     pub fn receive(&mut self, message: Message) -> Vec<Message> {
         match message {
             Message::Request(request) => vec![self.answer(request).into()],
@@ -74,7 +74,7 @@ impl<'t> Server<'t> {
         }
     }
 
-    /// Diagnostics of every text that changed since they were last sent. To be asked when no message waits.
+    /// Diagnostics of every text that changed since the last call. To be called when no message waits.
     pub fn due(&mut self) -> Vec<Message> {
         let changed = self.documents.take_changed();
         let each = changed.into_iter().map(|uri| {

@@ -1,10 +1,10 @@
-//! What is offered where: `|` is the cursor.
+//! Completions at the cursor, written as `|`.
 
 use serde_json::Value;
 
 use super::session::Session;
 
-/// Labels offered at the `|` of a text, in the order of an editor.
+/// Labels offered at the `|` in a text, sorted as an editor sorts them.
 fn offered(text: &str) -> Vec<String> {
     let items = items(text);
     let mut keyed: Vec<(String, String)> = items
@@ -68,7 +68,7 @@ fn expressions_offer_names_generators_and_functions() {
         assert!(all.contains(&wanted.to_string()), "{wanted}");
     }
     assert!(!all.contains(&"state".to_string()));
-    // The next line still belongs to an open bracket, or to an operator.
+    // After an open bracket or an operator, the statement continues on the next line.
     for text in ["state x\ndx ~ <1,\n|", "state x\ndx ~ x +\n  |"] {
         assert!(offered(text).contains(&"poly".to_string()), "{text}");
     }
@@ -82,7 +82,7 @@ fn a_generator_is_a_snippet() {
     assert_eq!(poly["insertTextFormat"], 2);
     assert_eq!(poly["textEdit"]["newText"], "poly(${1:atoms}; ${2:degree})");
     assert_eq!(poly["textEdit"]["range"]["start"]["character"], 5);
-    // The word before the cursor is replaced, what follows it is not.
+    // The word before the cursor is replaced, the text after it is not.
     let items = items("state theta\ndtheta ~ <sin th|>");
     let range = &items[0]["textEdit"]["range"];
     assert_eq!(
@@ -103,7 +103,7 @@ fn columns_come_from_the_tables_beside_the_model() {
         offered("state x\ndata {\n  x = \"Po|\n}\ndx ~ x"),
         ["Angle", "Pos [mm]", "Time (ms)", "${1:x}"]
     );
-    // A header is no snippet, whatever is in it.
+    // A header is inserted verbatim, even if it looks like a snippet.
     let hostile = items("state x\ndata { x = |")
         .into_iter()
         .find(|i| i["label"] == "\"${1:x}\"");
@@ -141,6 +141,6 @@ fn coefficients_offer_the_terms_of_their_equation() {
     assert_eq!(offered(&two), terms);
     let discrete = "state x\ninput u\nnext x ~ <x, u>\nconstrain coef(next x, |) < 1";
     assert_eq!(offered(discrete), ["u", "x"]);
-    // No library: what terms are made of.
+    // Without a library, the parts of terms are offered.
     assert!(offered(&format!("{model}constrain coef(dq, |")).contains(&"sin".to_string()));
 }

@@ -1,4 +1,4 @@
-//! The whole corpus through every request, and models as they are typed.
+//! Every request for every model of the corpus, and models while they are typed.
 
 use std::collections::BTreeMap;
 
@@ -28,7 +28,7 @@ fn every_model_is_answered_and_named_as_the_compiler_names_it() {
                 let place = (line, own[..at].encode_utf16().count());
                 session.at("hover", place);
                 session.at("completion", place);
-                // What a name leads to, leads back to it.
+                // The references of a declaration include the declaration itself.
                 let declared = session.at("definition", place);
                 if declared.is_object() {
                     let uses = session.at("references", place);
@@ -48,8 +48,8 @@ fn every_model_is_answered_and_named_as_the_compiler_names_it() {
     assert!(session.end());
 }
 
-/// Whoever types a statement of a model that is otherwise complete hears about this statement, about names that it is to declare, and about
-/// what the model lacks without it, but not about others.
+/// While one statement of an otherwise complete model is typed, errors concern this statement, names that it will declare, and what the model lacks without
+/// it, but hardly ever other statements.
 #[test]
 fn mistakes_of_half_typed_text_stay_where_they_are() {
     let mut session = Session::new(&["utf-8"]);
@@ -63,7 +63,7 @@ fn mistakes_of_half_typed_text_stay_where_they_are() {
         for line in starts.iter().zip(starts.iter().skip(1)) {
             let (start, end) = (*line.0, *line.1 - 1);
             let own = &text[start..end];
-            // Lines of a data block or of a long statement are part of another.
+            // Lines of a data block or of a long statement belong to another statement.
             let whole = !own.is_empty() && !own.starts_with([' ', '}', '#']) && !own.ends_with('{');
             for (at, _) in own.char_indices().skip(1).step_by(3).filter(|_| whole) {
                 let half = format!("{}{}{}", &text[..start], &own[..at], &text[end..]);
@@ -85,7 +85,7 @@ fn mistakes_of_half_typed_text_stay_where_they_are() {
             }
         }
     }
-    // What a half-typed declaration is to declare does not exist yet; beside that hardly anything is said elsewhere.
+    // Names of a half-typed declaration are still unknown elsewhere; other errors elsewhere are rare.
     let undeclared = codes.get("\"unknown-signal\"").copied().unwrap_or(0);
     assert!((elsewhere - undeclared) * 50 < texts, "{codes:?}");
     assert!(undeclared * 2 < texts, "{codes:?}");

@@ -1,4 +1,4 @@
-//! Texts as they are typed: any sequence of edits leaves the server with the text that the editor has, and with its diagnostics.
+//! Any sequence of edits leaves the server with the text of the editor and its diagnostics.
 
 use serde_json::{Value, json};
 use sidc_lang::source::Sources;
@@ -6,7 +6,7 @@ use sidc_testing::random::Random;
 
 use super::session::{Session, corpus, everything};
 
-/// What a hand may type or paste, well-formed or not.
+/// What a user may type or paste, well-formed or not.
 const PIECES: [&str; 24] = [
     "x",
     "d",
@@ -36,7 +36,7 @@ const PIECES: [&str; 24] = [
 
 const ENCODINGS: [&str; 2] = ["utf-16", "utf-8"];
 
-/// Length of a text in what the editor counts.
+/// Length of a text in the editor's units.
 fn width(text: &str, encoding: &str) -> usize {
     match encoding {
         "utf-8" => text.len(),
@@ -44,7 +44,7 @@ fn width(text: &str, encoding: &str) -> usize {
     }
 }
 
-/// The position of a byte; lines end as the protocol says.
+/// The position of a byte. Lines end as in the protocol.
 fn position(text: &str, at: usize, encoding: &str) -> Value {
     let before = &text[..at];
     let bytes = text.as_bytes();
@@ -63,17 +63,17 @@ fn boundary(text: &str, random: &mut Random) -> usize {
     while !text.is_char_boundary(at) {
         at -= 1;
     }
-    // No editor has its cursor within a line end.
+    // No editor places its cursor inside a line end.
     match at > 0 && text[..at].ends_with('\r') && text[at..].starts_with('\n') {
         true => at - 1,
         false => at,
     }
 }
 
-/// One change of the text, as the editor makes it and as it tells it.
+/// Changes the text. Returns the change as the editor reports it.
 fn change(text: &mut String, random: &mut Random, encoding: &str) -> Value {
     let (a, b) = (boundary(text, random), boundary(text, random));
-    // Mostly small ones, as fingers make them.
+    // Mostly small changes, as in typing.
     let (start, end) = match random.whole(0, 3) {
         0 => (a.min(b), a.max(b)),
         1 => (a, text[a..].chars().next().map_or(a, |c| a + c.len_utf8())),
@@ -91,7 +91,7 @@ fn change(text: &mut String, random: &mut Random, encoding: &str) -> Value {
     json!({ "range": range, "text": new })
 }
 
-/// What the compiler itself says of a text: severity, code and place of each finding.
+/// The compiler's own diagnostics of a text: severity, code and position of each.
 fn fresh(text: &str, encoding: &str) -> Vec<(u64, String, Value)> {
     let text = match text.contains('\n') {
         true => text.to_string(),
@@ -117,7 +117,7 @@ fn sent(found: &[Value]) -> Vec<(u64, String, Value)> {
     each.collect()
 }
 
-/// Requests with any place, of which none may fail.
+/// Requests at random positions, none of which may fail.
 fn ask_everything(session: &mut Session, random: &mut Random) {
     let place = (random.whole(0, 12), random.whole(0, 40));
     for method in [
@@ -167,7 +167,7 @@ fn random_edits_leave_the_text_and_its_diagnostics_right() {
                 ask_everything(&mut session, &mut random);
             }
         }
-        // The text itself, by what a layout of all of it would replace.
+        // Compares with a session that opens the same text at once.
         let whole = session.whole("semanticTokens/full");
         session.open(&text);
         assert_eq!(session.whole("semanticTokens/full"), whole, "seed {seed}");
@@ -175,7 +175,7 @@ fn random_edits_leave_the_text_and_its_diagnostics_right() {
     }
 }
 
-/// A burst of changes is answered by the diagnostics of its end; what was in between is not waited for.
+/// After a burst of changes, the diagnostics of the last text arrive; those in between are skipped.
 #[test]
 fn a_burst_of_edits_ends_with_the_diagnostics_of_its_last_text() {
     let mut session = Session::new(&["utf-8"]);

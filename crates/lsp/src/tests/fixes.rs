@@ -1,9 +1,9 @@
-//! Help that can be applied: what it changes is right.
+//! Fixes that are offered are correct.
 
 use super::session::{Session, corpus, edited};
 use serde_json::{Value, json};
 
-/// A change that a help offers takes its error away, and leaves no more of the same kind than there were.
+/// A fix removes its error, and adds no error of the same kind.
 #[test]
 fn every_fix_removes_what_it_is_offered_for() {
     let mut session = Session::new(&["utf-16"]);
@@ -51,7 +51,7 @@ fn every_fix_removes_what_it_is_offered_for() {
     );
 }
 
-/// Editors ask for the help at the cursor, which seldom stands in the word that is wrong.
+/// Editors ask for fixes at the cursor, which is seldom exactly on the wrong word.
 #[test]
 fn fixes_are_offered_from_anywhere_on_their_line() {
     let mut session = Session::new(&["utf-16"]);

@@ -1,4 +1,4 @@
-//! Functions and families that a model defines, as an editor meets them.
+//! Functions and families defined in a model, seen from an editor.
 
 use serde_json::Value;
 
@@ -12,7 +12,7 @@ dx ~ <sat(x), pair(x, v), sat v * x>
 dv ~ <x, pair(v, 1)>
 ";
 
-/// The place of the `n`th occurrence of a text, from 0.
+/// The position of the `n`th occurrence of a text, counted from 0.
 fn place(text: &str, n: usize) -> (usize, usize) {
     let (at, _) = MODEL.match_indices(text).nth(n).unwrap();
     let line = MODEL[..at].matches('\n').count();
@@ -25,7 +25,7 @@ fn opened(text: &str) -> Session {
     session
 }
 
-/// Line and column of each place, from 0.
+/// Line and column of each range, from 0.
 fn starts(all: &Value) -> Vec<(u64, u64)> {
     let start = |r: &Value| {
         let at = &r["range"]["start"];
@@ -45,7 +45,7 @@ fn a_call_leads_to_its_definition_and_the_definition_to_its_calls() {
     assert_eq!(starts(&Value::Array(vec![found])), [(2, 4)]);
     let found = session.at("references", place("sat(u) =", 0));
     assert_eq!(starts(&found), [(2, 4), (3, 17), (4, 6), (4, 26)]);
-    // An argument is known in its own definition alone.
+    // An argument is known only in its own definition.
     let found = session.at("references", place("u/vs", 0));
     assert_eq!(starts(&found), [(2, 8), (2, 18)]);
     let hover = session.at("hover", place("pair(x", 0));
@@ -104,7 +104,6 @@ fn calls_are_offered_with_places_for_their_arguments() {
         "pair(${1:u}, ${2:w})"
     );
     assert!(own("required").is_some());
-    // Arguments are names where they stand.
     assert!(own("w").is_none());
     let items = session.at("completion", (3, 17));
     let items = items.as_array().unwrap();

@@ -1,4 +1,4 @@
-//! Files that a model includes, as an editor meets them.
+//! Included files, seen from an editor.
 
 use serde_json::Value;
 
@@ -40,7 +40,7 @@ fn what_is_wrong_in_an_included_file_is_told_where_it_is_included() {
     assert_eq!(line, 1);
     let text = found[0]["message"].as_str().unwrap();
     assert!(text.starts_with("in `faulty.sid`: "), "{text}");
-    // A change of that file cannot be made in this one.
+    // An error in an included file cannot be fixed in this one.
     assert_eq!(session.whole("codeAction"), Value::Array(Vec::new()));
 }
 

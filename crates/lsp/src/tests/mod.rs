@@ -1,4 +1,4 @@
-//! The server as an editor meets it, through a connection in memory; Neovim drives the program in tests/it/editor.rs.
+//! The server seen from an editor, over an in-memory connection. In tests/it/editor Neovim drives the program.
 
 mod completion;
 mod corpus;

@@ -1,4 +1,4 @@
-//! An editor in a few lines: a conversation with the server over a connection in memory.
+//! A minimal editor that talks to the server over an in-memory connection.
 
 use std::thread::JoinHandle;
 
@@ -10,7 +10,7 @@ use crate::{Folder, TableHeader, serve};
 
 pub const URI: &str = "file:///models/model.sid";
 
-/// Two tables beside every model.
+/// Two tables in the folder of every model.
 pub struct Beside;
 
 impl Folder for Beside {
@@ -39,13 +39,13 @@ pub struct Session {
     server: Option<JoinHandle<bool>>,
     version: i32,
     asked: i32,
-    /// Diagnostics that came and nobody took.
+    /// Diagnostics received and not yet read.
     published: Vec<Value>,
     pub initialized: Value,
 }
 
 impl Session {
-    /// An editor that offers these position encodings and fills in snippets.
+    /// An editor that offers these position encodings and supports snippets.
     pub fn new(encodings: &[&str]) -> Session {
         let (server, connection) = Connection::memory();
         let thread = std::thread::spawn(move || serve(&server, &Beside).unwrap());
@@ -96,7 +96,7 @@ impl Session {
         self.tell("textDocument/didOpen", json!({ "textDocument": item }));
     }
 
-    /// Changes of the text: each a range and what stands there then, or the whole text.
+    /// Changes of the text: each a range with its new text, or the whole text.
     pub fn change(&mut self, changes: Value) {
         self.version += 1;
         let document = json!({ "uri": URI, "version": self.version });
@@ -104,7 +104,7 @@ impl Session {
         self.tell("textDocument/didChange", params);
     }
 
-    /// The diagnostics of the text as it is now. They come without being asked for.
+    /// The diagnostics of the current text, which arrive unasked.
     pub fn diagnostics(&mut self) -> Vec<Value> {
         loop {
             let now = |p: &Value| p["version"] == self.version;
@@ -120,7 +120,7 @@ impl Session {
         }
     }
 
-    /// A request about a place, `(line, character)` from 0.
+    /// A request about a position `(line, character)`, from 0.
     pub fn at(&mut self, method: &str, (line, character): (usize, usize)) -> Value {
         let params = json!({
             "textDocument": { "uri": URI },
@@ -154,7 +154,7 @@ impl Session {
         self.ask("textDocument/rename", params)
     }
 
-    /// Says goodbye; true if the server took it well.
+    /// Ends the session; true if the server ended regularly.
     pub fn end(mut self) -> bool {
         self.ask("shutdown", Value::Null).unwrap();
         self.tell("exit", Value::Null);
@@ -166,7 +166,7 @@ pub fn everything() -> Value {
     json!({ "start": { "line": 0, "character": 0 }, "end": { "line": 1_000_000, "character": 0 } })
 }
 
-/// A text after edits of the protocol (positions in UTF-16), applied from the last to the first.
+/// A text after edits of the protocol (positions in UTF-16), applied from last to first.
 pub fn edited(text: &str, edits: &[Value]) -> String {
     let mut out = text.to_string();
     let mut places: Vec<(usize, usize, String)> = edits
@@ -184,7 +184,7 @@ pub fn edited(text: &str, edits: &[Value]) -> String {
     out
 }
 
-/// The byte of a position in UTF-16, by another way than the server's.
+/// The byte of a UTF-16 position, computed independently of the server.
 pub fn offset(text: &str, position: &Value) -> usize {
     let line = position["line"].as_u64().unwrap() as usize;
     let units = position["character"].as_u64().unwrap() as usize;
@@ -195,7 +195,7 @@ pub fn offset(text: &str, position: &Value) -> usize {
     before + String::from_utf16(&utf16).unwrap().len()
 }
 
-/// Every model of the gallery and every faulty one of tests/bad, by its path.
+/// Every model of the gallery, and every faulty one in tests/bad, by path.
 pub fn corpus() -> Vec<(String, String)> {
     ["models", "tests/bad"]
         .into_iter()

@@ -1,4 +1,4 @@
-//! A transcript of every request over one model, as people read it.
+//! A readable transcript of every request for one model.
 
 use serde_json::Value;
 
@@ -22,7 +22,7 @@ ddy ~ poly(y, dy, theta'; 2) * trig + F/m + <tanh(dy/mu)>
 ddtheta ~ powers(theta, dtheta; 2) * trig
 ";
 
-/// The place of the `n`th occurrence of a text, from 0, and `into` characters in it.
+/// The position `into` characters after the start of the `n`th occurrence of a text, counted from 0.
 fn place(text: &str, n: usize, into: usize) -> (usize, usize) {
     let (at, _) = MODEL.match_indices(text).nth(n).unwrap();
     let line = MODEL[..at].matches('\n').count();
@@ -90,7 +90,7 @@ fn definitions_and_references_follow_derivatives() {
     assert_eq!(range(&found["range"]), "6:6-6:11");
     let found = session.at("references", place("theta", 0, 0));
     let all = ranges(&found);
-    // Declared, in the data block, twice in `trig`, with a prime, and three times in its own equation.
+    // Its declaration, the data block, twice in `trig`, once with a prime, and three times in its own equation.
     assert_eq!(all.len(), 8, "{all:?}");
     assert_eq!(
         ranges(&session.at("documentHighlight", place("theta", 0, 0))),
@@ -131,7 +131,7 @@ fn renaming_takes_derivatives_along() {
     assert!(session.end());
 }
 
-/// A range `x1..x3` and a family need the names that they are made of.
+/// A range `x1..x3` and a family need their names.
 #[test]
 fn no_rename_breaks_the_model() {
     let mut session = Session::new(&["utf-16"]);
@@ -146,7 +146,7 @@ fn no_rename_breaks_the_model() {
     assert!(session.end());
 }
 
-/// Sizes of libraries stay while a line is typed elsewhere.
+/// Sizes of libraries are kept while another line is edited.
 #[test]
 fn a_mistake_elsewhere_hides_no_sizes() {
     let mut session = Session::new(&["utf-16"]);
@@ -287,7 +287,7 @@ fn the_conversation_keeps_to_the_protocol() {
     );
     assert_eq!(session.whole("documentSymbol"), Value::Null);
     assert!(session.end());
-    // Without a shutdown before, an exit is an error of the client.
+    // An exit without a shutdown is an error of the client.
     let session = Session::new(&[]);
     session.tell("exit", Value::Null);
     drop(session);

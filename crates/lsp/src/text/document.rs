@@ -1,6 +1,6 @@
 //! One text that is open in the editor.
 //!
-//! In: the text, then changes of parts of it. Out: the text as the editor has it. What the analysis made of it is kept until it changes.
+//! In: the text, then changes of parts of it. Out: the text as the editor has it. Its analysis is cached until the text changes.
 
 use std::cell::OnceCell;
 use std::ops::Range as Bytes;
@@ -17,14 +17,14 @@ use crate::thresholds::EDITOR;
 
 pub struct Document {
     pub text: String,
-    /// The editor's number of this state of the text.
+    /// The editor's version number of the text.
     pub version: i32,
     pub encoding: Encoding,
     lines: Lines,
-    /// The files that it includes, behind a state of it.
+    /// An earlier version of the text, then the files that it includes.
     files: Sources,
     analysis: OnceCell<Analysis>,
-    /// Of a text with errors, the model without them.
+    /// For a text with errors, the model without the statements that have them.
     sound_part: OnceCell<Option<Program>>,
 }
 
@@ -41,7 +41,7 @@ impl Document {
         }
     }
 
-    /// Applies one change; changes of one message are applied in their order.
+    /// Applies one change. The changes of one message must be applied in order.
     pub fn apply(&mut self, change: TextDocumentContentChangeEvent) {
         match change.range {
             None => self.text = change.text,
@@ -56,7 +56,7 @@ impl Document {
         self.sound_part = OnceCell::new();
     }
 
-    /// Reads the files that the text includes now.
+    /// Reads the files that the text includes.
     pub fn read_files(&mut self, read: includes::Read) {
         self.files = Sources::default();
         if self.text.len() <= EDITOR.text {
@@ -67,17 +67,17 @@ impl Document {
         self.sound_part = OnceCell::new();
     }
 
-    /// What another text in the place of this one means.
+    /// The analysis of another text in place of this one.
     pub fn analysis_of(&self, text: &str) -> Analysis {
         Analysis::of(text, &self.files)
     }
 
-    /// What the text means; found at the first question after a change.
+    /// The analysis of the text, computed on first use after a change.
     pub fn analysis(&self) -> &Analysis {
         self.analysis.get_or_init(|| self.analysis_of(&self.text))
     }
 
-    /// The model and its libraries; of a text with errors those of the rest. Found when it is asked for: diagnostics do not wait for it.
+    /// The model and its libraries, without the statements that have errors. Computed on demand, so that diagnostics need not wait for it.
     pub fn program(&self) -> Option<&Program> {
         let analysis = self.analysis();
         let rest = || analysis.sound_part(&self.text, &self.files);

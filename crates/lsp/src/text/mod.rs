@@ -1,4 +1,4 @@
-//! The texts that are open in the editor, and places in them.
+//! The texts that are open in the editor, and positions in them.
 
 pub mod document;
 pub mod positions;

@@ -1,20 +1,20 @@
-//! Places in a text: bytes, as the compiler counts, against lines and characters, as an editor does.
+//! Converts positions between bytes, as the compiler counts, and lines and characters, as an editor does.
 //!
-//! In: a text. Out: its lines, and translations in both directions. Any position is clamped to the text; none panics.
+//! In: a text. Out: its lines, and conversions in both directions. A position outside the text is clamped to it.
 
 use lsp_types::{Position, PositionEncodingKind, Range};
 
-/// What an editor counts within a line.
+/// The unit of positions within a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
     /// Bytes.
     Utf8,
-    /// Units of UTF-16, which every client knows.
+    /// UTF-16 code units, which every client supports.
     Utf16,
 }
 
 impl Encoding {
-    /// UTF-8 where the client offers it.
+    /// UTF-8 if the client offers it.
     pub fn offered(kinds: Option<&Vec<PositionEncodingKind>>) -> Encoding {
         match kinds.is_some_and(|k| k.contains(&PositionEncodingKind::UTF8)) {
             true => Encoding::Utf8,
@@ -29,7 +29,7 @@ impl Encoding {
         }
     }
 
-    /// Length of a text in what the editor counts.
+    /// Length of a text in this unit.
     pub fn width(self, text: &str) -> u32 {
         match self {
             Encoding::Utf8 => text.len() as u32,
@@ -38,7 +38,7 @@ impl Encoding {
     }
 }
 
-/// Where each line of a text begins. Lines end with `\n`, `\r\n` or `\r`, as the protocol says.
+/// The byte at which each line begins. Lines end with `\n`, `\r\n` or `\r`, as in the protocol.
 #[derive(Clone, Debug, Default)]
 pub struct Lines {
     starts: Vec<usize>,
@@ -58,7 +58,7 @@ impl Lines {
         }
     }
 
-    /// Number of the line that holds a byte, from 0.
+    /// Index of the line that holds a byte, from 0.
     pub fn line(&self, offset: usize) -> usize {
         self.starts
             .partition_point(|s| *s <= offset)
@@ -94,7 +94,7 @@ impl Lines {
         )
     }
 
-    /// The byte of a position; the end of the line or of the text if it lies behind that, the character's first byte if it is inside one.
+    /// The byte of a position. Beyond the line or text it is the end of either; inside a character it is the first byte of that.
     pub fn offset(&self, text: &str, position: Position, encoding: Encoding) -> usize {
         let Some(&start) = self.starts.get(position.line as usize) else {
             return text.len();
@@ -144,7 +144,7 @@ mod tests {
         let lines = Lines::of("ab\nc");
         let at = |l, c| lines.offset("ab\nc", Position::new(l, c), Encoding::Utf16);
         assert_eq!([at(0, 9), at(1, 9), at(7, 0)], [2, 4, 4]);
-        // Inside a pair of surrogates.
+        // Inside a surrogate pair.
         assert_eq!(
             Lines::of("𝛼").offset("𝛼", Position::new(0, 1), Encoding::Utf16),
             0

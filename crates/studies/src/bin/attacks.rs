@@ -1,11 +1,11 @@
-//! Random attacks on the verdict: how often does a wrong law pass, and a right one end in doubt?
+//! Random attacks on the verdict: how often does a wrong law pass, and how often is a right one doubted?
 //!
 //! ```sh
 //! cargo run --release -p sidc-studies --bin attacks -- [--seeds=N] [--show] [--write=FOLDER]
 //! ```
 //!
-//! Prints a line for each kind of attack and level of noise; with `--show` each wrong pass and each right law that is doubted;
-//! with `--write` the models and tables of those.
+//! Prints a line for each kind of attack and level of noise. With `--show`, also each wrong pass and each right law that is doubted; with `--write`, writes
+//! their models and tables.
 
 use sidc::{Data, Discovery, Model, Options};
 use sidc_testing::attacks::{Attack, Case, Law, case};
@@ -61,7 +61,7 @@ fn identify(case: &Case) -> Option<Discovery> {
     model.identify(&data, &Options::default()).ok()
 }
 
-/// 0 right and passes, 1 right and doubted, 2 wrong and doubted, 3 wrong and passes. Of the worst equation.
+/// For the worst equation: 0 right and passes, 1 right and doubted, 2 wrong and doubted, 3 wrong and passes.
 fn outcome(case: &Case, found: &Discovery) -> usize {
     case.laws
         .iter()

@@ -1,11 +1,11 @@
-//! From how many rows does basis pursuit find the laws of random coupled mechanisms, plain and with graded norms?
+//! How many rows does basis pursuit need for the laws of random coupled mechanisms, with plain and with graded norms?
 //!
 //! ```sh
 //! cargo run --release -p sidc-studies --bin coupled -- --seeds 8 --rows 20 30 40 60 80 120 --out trials.csv
 //! ```
 //!
-//! Every seed is another mechanism of each family, in large and in small swings; every law of it is asked for. Writes one line a trial
-//! and prints the share of exact answers by grading and rows.
+//! Each seed draws a mechanism of each family, in large and in small swings, and every law of it is sought. Writes one line per trial and prints the share of
+//! exact answers by grading and rows.
 
 use std::collections::BTreeMap;
 use std::error::Error;

@@ -1,11 +1,11 @@
-//! Do 95 % intervals hold the truth in 95 % of draws? Coefficient ± 1.96 standard errors against known laws.
+//! Do 95 % intervals contain the truth in 95 % of draws? Compares coefficients ± 1.96 standard errors with known laws.
 //!
 //! ```sh
 //! cargo run --release -p sidc-studies --bin coverage -- [CASE…] [--level 0.01 0.05] [--draws 200] [--terms]
 //! ```
 //!
-//! The motion of a case stays the same, its noise is drawn anew each time, and the whole program runs on it. A row a case, of
-//! the draws whose supports are the true ones; then the marks of all terms found, in all draws.
+//! The motion of a case is fixed, its noise is drawn each time, and the whole program runs on it. Prints a row per case from the draws with the true
+//! supports, then the marks of all terms found in all draws.
 
 use std::process::ExitCode;
 use std::time::Instant;

@@ -1,16 +1,16 @@
-//! Do columns that are nearly one column hurt the solver, and does it help to take them apart first?
+//! Do nearly equal columns hurt the solver, and does it help to decorrelate them first?
 //!
 //! ```sh
 //! cargo run --release -p sidc-studies --bin decorrelation
 //! ```
 //!
-//! A driven pendulum that stays within an angle, 39 candidate terms among which θ, sin θ, θ³ and tan θ are nearly one for small
-//! angles, noise on the acceleration. Four ways, each with the solver that is the default:
+//! The record is a driven pendulum with bounded angle and noise on the acceleration. Among its 39 candidate terms, θ, sin θ, θ³ and tan θ are nearly equal
+//! for small angles. Four methods, each with the default solver:
 //!
-//! - plain: Φ as it is; the support is what the solver finds;
-//! - orthogonalised: in each group of columns with a cosine above 0.99 every column is made orthogonal to those before it;
-//! - grouped: the solver sees the simplest column of each group, and the best member of each group is taken afterwards;
-//! - chosen: Φ as it is, and the criterion's search over all columns, which is what `sidc identify` does.
+//! - plain: Φ unchanged; the support is what the solver finds;
+//! - orthogonalised: in each group of columns with cosines above 0.99, every column is made orthogonal to those before it;
+//! - grouped: the solver sees the simplest column of each group, and the best member of each group is chosen afterwards;
+//! - chosen: Φ unchanged, and the criterion searches all columns, as in `sidc identify`.
 //!
 //! Prints how many of twenty draws gave the true support.
 

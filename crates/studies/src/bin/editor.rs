@@ -1,8 +1,7 @@
-//! How long an editor waits for diagnostics: every model of the gallery and every faulty one, a character typed and taken back at places
-//! all along the text.
+//! How long an editor waits for diagnostics, for every model of the gallery and of tests/bad: a character is typed and deleted at places all along the text.
 //!
-//! In: models/ and tests/bad. Out: a table for docs/editor.md, on standard output; beside it what a thousand edits take that nobody waits for.
-//! The time is from sending the change to having its diagnostics, through the whole server.
+//! In: models/ and tests/bad. Out: a table for docs/editor.md on standard output, and the time of a thousand edits sent without waiting. Times are measured
+//! from sending a change to receiving its diagnostics, through the whole server.
 
 use std::error::Error;
 use std::time::{Duration, Instant};
@@ -13,10 +12,10 @@ use sidc_testing::program::{file, models};
 
 const URI: &str = "file:///model.sid";
 
-/// Places in a text at which something is typed.
+/// Places in a text where something is typed.
 const PLACES: usize = 20;
 
-/// An editor and the server behind it.
+/// An editor connected to a server.
 struct Editor {
     connection: Connection,
     version: i32,
@@ -67,7 +66,7 @@ impl Editor {
         self.tell("textDocument/didChange", params)
     }
 
-    /// Waits for the diagnostics of the text as it is.
+    /// Waits for the diagnostics of the current text.
     fn wait(&self) {
         while let Ok(message) = self.connection.receiver.recv() {
             let of_now = |n: &Notification| n.params["version"] == self.version;

@@ -1,11 +1,11 @@
-//! Simulates the cart-pendulum and writes what an experiment would have measured.
+//! Simulates the cart-pendulum and writes what an experiment would measure.
 //!
 //! ```sh
 //! cargo run --release -p sidc-studies --bin plant -- --seed 3 --force gaussian --rows 2000 --start 28deg -o out.csv
 //! ```
 //!
-//! Without options: the experiment of the benchmark, 10,000 samples at 100 Hz. Every number is printed so that it reads
-//! back as the same f64; accelerations come from the equations of motion, not from differences.
+//! Without options, this is the experiment of the benchmark: 10,000 samples at 100 Hz. Every number is printed so that it reads back as the same f64;
+//! accelerations come from the equations of motion, not from differences.
 
 use clap::{Parser, ValueEnum};
 use sidc_testing::integrate::grid;
@@ -86,7 +86,7 @@ fn simulate(options: &Options) -> Result<Table, Box<dyn Error>> {
     table.digits = None;
     table.comments = comments(plant);
 
-    // One instant more than rows: the last sample's interval ends there.
+    // One more time than rows, because the interval of the last sample ends there.
     let times = grid(options.rows + 1, 1.0 / options.rate);
     let start: State = [0.0, 0.0, theta, 0.0];
     for row in run(plant, start, &times, |k, x| force.at(k, plant, x)) {
@@ -120,12 +120,12 @@ fn start_angle(options: &Options, random: &mut Random) -> Result<f64, Box<dyn Er
     Ok(angle * unit)
 }
 
-/// The command and the truth, so that a file found years later explains itself.
+/// The command and the true equations, so that the file explains itself even years later.
 fn comments(plant: &Plant) -> Vec<String> {
     let mut arguments: Vec<String> = Vec::new();
     let mut skip = false;
     for a in std::env::args().skip(1) {
-        // Where the file was written is nobody's business.
+        // The output path is omitted: it may be private.
         if skip || a.starts_with("-o") {
             skip = !skip && a == "-o";
             continue;

@@ -1,10 +1,10 @@
-//! Sixty planted cases: is the cause named, and does no wrong answer pass?
+//! Sixty planted cases: is the cause named, and does any wrong answer pass?
 //!
 //! ```sh
 //! cargo run --release -p sidc-studies --bin planted -- [NAME…] [--seed=N] [--show]
 //! ```
 //!
-//! Prints a line a case and a table of causes; with `--show` what the program says of each.
+//! Prints a line per case and a table of causes; with `--show` also what the program says of each case.
 
 use std::collections::BTreeMap;
 use std::time::Instant;

@@ -1,11 +1,11 @@
-//! How few rows basis pursuit needs: exact recovery of cart-pendulums out of 6,561 terms, down to where it breaks.
+//! How few rows basis pursuit needs: exact recovery of cart-pendulums from 6,561 terms, down to where it fails.
 //!
 //! ```sh
 //! cargo run --release -p sidc-studies --bin recovery -- --draws 50 --rows 15 20 30 40 60 100 --svg docs/recovery.svg
 //! ```
 //!
-//! Every draw is another plant (masses, rod, frictions), another start, another force; rows are drawn at random from 15 s of
-//! motion at 100 Hz. "Exact" is the true support, nothing else, with every coefficient to 1e-8.
+//! Every draw has its own plant (masses, rod, frictions), start and force. Rows are drawn at random from 15 s of motion at 100 Hz. "Exact" means the true
+//! support, nothing else, and every coefficient to 1e-8.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -51,10 +51,10 @@ struct Args {
     svg: Option<PathBuf>,
 }
 
-/// One draw's outcome for its two equations.
+/// The outcome of one draw for its two equations.
 struct Outcome {
     exact: [bool; 2],
-    /// Passed though not exact: what must never happen.
+    /// Whether an equation passes that is not exact, which must never happen.
     wrong_pass: bool,
     error: f64,
     seconds: f64,
@@ -161,7 +161,7 @@ fn plant(random: &mut Random) -> Plant {
     }
 }
 
-/// Largest relative error of a coefficient; infinite for any other support.
+/// Largest relative error of a coefficient; infinite for a wrong support.
 fn error(found: &Discovery, target: &str, truth: &[(&str, f64)]) -> f64 {
     let Some(e) = found
         .equations
@@ -182,7 +182,7 @@ fn error(found: &Discovery, target: &str, truth: &[(&str, f64)]) -> f64 {
     })
 }
 
-/// Every signal of the model over the whole motion, exact.
+/// The exact values of every signal of the model over the whole motion.
 fn motion(
     program: &Program,
     plant: &Plant,

@@ -1,7 +1,7 @@
-//! Our side of `benches/peers.py`: writes a regression for others to read, and times our solvers on what is written.
+//! Our side of `benches/peers.py`: exports a regression problem, and times our solvers on it.
 //!
-//! In: a folder, and what to do there. Out: `problem.f64` (little-endian doubles: Φ column after column, then y) with
-//! `problem.json` (rows, cols, the true terms), or one line of JSON with time, status and coefficients. It judges no answer.
+//! In: a folder, and what to do there. Out: `problem.f64` (little-endian doubles: Φ column by column, then y) with `problem.json` (rows, cols, the true
+//! terms), or one line of JSON with time, status and coefficients. Judges no answer.
 //!
 //! ```sh
 //! cargo run --release -p sidc-studies --bin solve_times -- list
@@ -23,7 +23,7 @@ use sidc_testing::pendulum_regression::{Target, draw, regression};
 
 /// Eight atoms with exponents 0 to 2: 6,561 terms.
 const CAPS: [usize; 8] = [3; 8];
-/// A run shorter than this, in seconds, is repeated, and the shortest of [`REPEATS`] counts.
+/// A run shorter than this, in seconds, is repeated; the shortest of [`REPEATS`] counts.
 const SHORT: f64 = 1.0;
 const REPEATS: usize = 3;
 

@@ -1,12 +1,11 @@
-//! How often the sparsest equation is proved in a minute: the gallery's models, and ODEBench.
+//! How often the sparsest equation is proved within a minute, for the gallery's models and ODEBench.
 //!
 //! ```sh
 //! cargo run --release -p sidc-studies --bin sparsest -- --odebench ../shared/data/odebench > docs/sparsest.csv
 //! ```
 //!
-//! In: `models/*.sid` with their data; a folder with `equations.json` and the tables that it names. Out: a row an equation, by
-//! commas; on standard error how many were proved. The whole program runs on each model. Equations found another way than from
-//! rows with a tolerance have the reason in their last column.
+//! In: `models/*.sid` with their data; a folder with `equations.json` and the tables that it names. Out: a CSV row per equation; on standard error how many
+//! were proved. The whole program runs on each model. Equations that were not found by regression with a tolerance have the reason in their last column.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -48,10 +47,10 @@ struct Case {
     tables: Vec<PathBuf>,
 }
 
-/// A line of the table, and whether the equation is proved where it was looked at.
+/// A line of the table, and whether the equation is proved; `None` if no proof was attempted.
 type Row = (String, Option<bool>);
 
-/// Time of each equation's proof, by place.
+/// Time of each equation's proof, by index.
 #[derive(Default)]
 struct Times {
     taken: BTreeMap<usize, Duration>,
@@ -115,7 +114,7 @@ fn gallery(folder: &Path) -> Result<Vec<Case>, Box<dyn Error>> {
     Ok(cases)
 }
 
-/// Every system of ODEBench that is linear in its coefficients, with the library of its class.
+/// Every ODEBench system that is linear in its coefficients, with the library of its class.
 fn odebench(folder: &Path) -> Result<Vec<Case>, Box<dyn Error>> {
     let document: Value =
         serde_json::from_str(&fs::read_to_string(folder.join("equations.json"))?)?;
@@ -142,7 +141,7 @@ fn odebench(folder: &Path) -> Result<Vec<Case>, Box<dyn Error>> {
     Ok(systems.iter().filter_map(case).collect())
 }
 
-/// The candidates that the benchmark's score gives to a class; `None` where no library is linear in the coefficients.
+/// The candidates that the benchmark's score assigns to a class; `None` if no library is linear in the coefficients.
 fn library(class: &str, id: u64, names: &[String]) -> Option<String> {
     let poly = |degree: usize| format!("poly({}; {degree})", names.join(", "));
     let all = names.join(", ");
@@ -172,7 +171,7 @@ fn library(class: &str, id: u64, names: &[String]) -> Option<String> {
     }
 }
 
-/// A row an equation.
+/// One row per equation.
 fn rows(case: &Case, seconds: f64) -> Result<Vec<Row>, Box<dyn Error>> {
     let mut sources = Sources::default();
     let file = sources.add(format!("{}.sid", case.name), case.model.as_str());
@@ -256,14 +255,14 @@ fn line(head: &str, evidence: &Evidence, s: &SparsestProof, (own, took): (usize,
 }
 
 impl Times {
-    /// Adds up the time of the proofs, and ends one that has used its part.
+    /// Adds up the time of the proofs, and ends a proof that has used its share.
     fn hear(&mut self, activity: Activity, seconds: f64, equations: usize) -> ControlFlow<Stop> {
         let Activity::Equation {
             place,
             stage: Stage::Proving { .. },
         } = activity
         else {
-            // What follows the proof begins with a word of its own.
+            // Any other activity marks the end of the proof.
             if let Some((place, since)) = self.last.take() {
                 *self.taken.entry(place).or_default() += since.elapsed();
             }

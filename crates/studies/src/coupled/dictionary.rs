@@ -1,6 +1,6 @@
 //! Φ as products of powers of atoms, and the grades of its columns.
 //!
-//! In: atoms on rows, a grading. Out: the solver's own dictionary and grades; terms stand in the order of [`super::Library::place`].
+//! In: atoms on rows, a grading. Out: the solver's own dictionary and grades, with terms in the order of [`super::Library::place`].
 
 use sidc_solve::dictionary::{Block, Factored, Grades};
 use sidc_testing::plants::coupled::{Factor, Point};
@@ -8,10 +8,10 @@ use sidc_testing::plants::coupled::{Factor, Point};
 use super::grading::Grading;
 use super::library::POWER;
 
-/// Atoms on rows.
+/// The values of atoms on rows.
 pub struct Tabulated {
     atoms: Vec<Factor>,
-    /// A column an atom.
+    /// One column per atom.
     values: Vec<Vec<f64>>,
     rows: usize,
 }
@@ -26,7 +26,7 @@ impl Tabulated {
         }
     }
 
-    /// `None` where a product is not finite.
+    /// `None` if a product is not finite.
     pub fn dictionary(&self) -> Option<Factored> {
         let (left, right) = self.values.split_at(self.values.len() / 2);
         let factors = [left, right].map(|columns| self.products(columns).concat());

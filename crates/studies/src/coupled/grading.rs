@@ -1,10 +1,10 @@
 //! Weights that grow with a term's grade: κ to the sum of its factors' grades.
 //!
-//! In: factors, and their values on the rows. Out: weights, of which that of a product is the product.
+//! In: factors, and their values on the rows. Out: weights; the weight of a product is the product of the weights.
 
 use sidc_testing::plants::coupled::Factor;
 
-/// What a factor's grade is made of.
+/// What a factor's grade is based on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {
     /// Its kind alone
@@ -21,15 +21,15 @@ pub struct Grading {
     pub measure: Measure,
     /// κ; 1 is the plain norm.
     pub base: f64,
-    /// Of a sine or cosine.
+    /// The grade of a sine or cosine.
     pub wave: f64,
-    /// Of an acceleration.
+    /// The grade of an acceleration.
     pub acceleration: f64,
-    /// Of a factor's second power beyond that of its first: 1 is the degree, 0 counts distinct factors.
+    /// The grade of a factor's second power beyond the first: with 1 the grade is the degree, with 0 it counts distinct factors.
     pub square: f64,
 }
 
-/// Every factor counts 1 for each power.
+/// The grade is the degree.
 pub const fn degree(base: f64) -> Grading {
     Grading {
         measure: Measure::Kind,
@@ -47,7 +47,7 @@ const fn waves(base: f64, wave: f64) -> Grading {
     }
 }
 
-/// Every factor counts by how much it varies, as `sidc identify` has it.
+/// The grade measures how much factors vary, as in `sidc identify`.
 pub const fn variation(base: f64) -> Grading {
     of(Measure::Deviation(1.0), base)
 }
@@ -73,7 +73,7 @@ const fn distinct(base: f64) -> Grading {
     }
 }
 
-/// What is compared, with names.
+/// The gradings that are compared, with names.
 pub const GRADINGS: &[(&str, Grading)] = &[
     ("plain", degree(1.0)),
     ("degree 1.2", degree(1.2)),

@@ -1,7 +1,7 @@
-//! The same problems, asked of the compiler: the norms that `sidc identify` tries.
+//! The same problems, solved by the compiler in the norms that `sidc identify` tries.
 //!
-//! In: a case and a plan, whose gradings and steps are not used. Out: the answer of fewest terms to each problem, in the order of
-//! the trials. A law that does not compile is a fault.
+//! In: a case and a plan, of which gradings and steps are ignored. Out: for each problem the answer with fewest terms, in the order of the trials. A law that
+//! does not compile is an error.
 
 use std::time::Instant;
 
@@ -14,7 +14,7 @@ use super::run::{Case, Plan, Posed, problems};
 use super::trial::{Outcome, judged};
 
 /// # Errors
-/// What the compiler says of a model.
+/// The compiler's diagnostics of a model.
 pub fn identified(case: &Case, plan: &Plan) -> Result<Vec<Outcome>, String> {
     problems(case, plan, asked).into_iter().collect()
 }
@@ -61,7 +61,7 @@ fn asked(posed: &Posed) -> Result<Outcome, String> {
     ))
 }
 
-/// Every signal of the system by name.
+/// Every signal of the system, by name.
 fn signals(posed: &Posed) -> Vec<(String, Vec<f64>)> {
     let system = posed.system;
     let coordinates = 0..system.coordinates();

@@ -1,6 +1,6 @@
-//! Which atoms a library has: those of the law, and others beside it.
+//! Chooses the atoms of a library: those of the law, and others.
 //!
-//! In: a system, a law, a size. Out: atoms; the library is all products of their powers 0, 1 and 2.
+//! In: a system, a law, a size. Out: atoms; the library has all products of their powers 0, 1 and 2.
 
 use sidc_testing::plants::coupled::{Coupled, Factor, Law};
 use sidc_testing::random::Random;
@@ -8,12 +8,12 @@ use sidc_testing::random::Random;
 /// Highest power of an atom.
 pub const POWER: usize = 2;
 
-/// How many atoms a library has.
+/// The number of atoms of a library.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Size {
-    /// Those of the law, and no others
+    /// Those of the law, and no others.
     Own,
-    /// So many: the law's first, then others at random
+    /// This many: those of the law, then others at random.
     Atoms(usize),
 }
 
@@ -41,7 +41,7 @@ impl Library {
         Library { atoms: own }
     }
 
-    /// The place of a term, its powers read as digits; `None` where an atom or power is missing.
+    /// The index of a term, from its powers as digits; `None` if an atom or power is missing.
     pub fn place(&self, monomial: &[Factor]) -> Option<usize> {
         let count = |f: &Factor| monomial.iter().filter(|g| *g == f).count();
         let powers: Vec<usize> = self.atoms.iter().map(count).collect();

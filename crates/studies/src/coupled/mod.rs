@@ -1,7 +1,6 @@
-//! Random coupled mechanical systems: from how many rows basis pursuit finds their laws, plain and with graded norms.
+//! Random coupled mechanical systems: how many rows basis pursuit needs for their laws, with plain and graded norms.
 //!
-//! In: systems of `sidc_testing::plants::coupled`, libraries, gradings. Out: trials. Solves by the default solver and does nothing
-//! afterwards: no criterion, no refit.
+//! In: systems of `sidc_testing::plants::coupled`, libraries, gradings. Out: trials. Uses the default solver alone, without criterion or refit.
 
 mod dictionary;
 mod grading;

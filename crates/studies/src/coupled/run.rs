@@ -1,6 +1,6 @@
 //! Trials of a system: every law, from several numbers of rows, in several gradings.
 //!
-//! In: a family, a swing, a seed, and what to try. Out: trials; those of one problem stand together, in the order of the gradings.
+//! In: a family, a swing, a seed, and what to try. Out: trials, grouped by problem, in the order of the gradings.
 
 use sidc_discover::split;
 use sidc_testing::plants::coupled::{Coupled, Family, Law, Point, Swing};
@@ -10,10 +10,10 @@ use super::grading::Grading;
 use super::library::{Library, Size};
 use super::trial::{Outcome, outcome};
 
-/// Rows of a record, and s between them.
+/// Rows of a record, and seconds between them.
 const ROWS: usize = 800;
 const STEP: f64 = 0.05;
-/// Libraries of more atoms are left out: 1,594,323 terms.
+/// Libraries with more atoms are skipped; this many make 1,594,323 terms.
 const MOST_ATOMS: usize = 13;
 
 #[derive(Clone, Copy, Debug)]
@@ -28,12 +28,12 @@ pub struct Plan {
     pub rows: Vec<usize>,
     pub sizes: Vec<Size>,
     pub gradings: Vec<Grading>,
-    /// Steps after which a path is given up.
+    /// Number of steps after which a path is abandoned.
     pub steps: usize,
 }
 
 pub struct Trial {
-    /// The law's coordinate, and how many terms it has.
+    /// The law's coordinate, and its number of terms.
     pub law: usize,
     pub true_terms: usize,
     pub atoms: usize,
@@ -60,11 +60,11 @@ pub struct Posed<'a> {
     pub system: &'a Coupled,
     pub law: &'a Law,
     pub library: &'a Library,
-    /// s, and what is measured.
+    /// Time in seconds, and the measured point.
     pub rows: Vec<&'a (f64, Point)>,
 }
 
-/// Every grading of a problem, one after another.
+/// Trials of every grading for every problem.
 pub fn trials(case: &Case, plan: &Plan) -> Vec<Trial> {
     let tried = |posed: &Posed| {
         let points: Vec<&Point> = posed.rows.iter().map(|(_, p)| p).collect();
@@ -92,7 +92,7 @@ pub fn trials(case: &Case, plan: &Plan) -> Vec<Trial> {
     made.into_iter().flatten().collect()
 }
 
-/// What `work` makes of every problem of a case.
+/// Applies `work` to every problem of a case.
 pub fn problems<A>(case: &Case, plan: &Plan, mut work: impl FnMut(&Posed) -> A) -> Vec<A> {
     let system = Coupled::draw(case.family, case.seed);
     let record = system.record(case.swing, ROWS, STEP);
@@ -102,7 +102,7 @@ pub fn problems<A>(case: &Case, plan: &Plan, mut work: impl FnMut(&Posed) -> A) 
         for size in &plan.sizes {
             let library = Library::new(&system, &law, *size, case.seed);
             let atoms = library.atoms.len();
-            // A law may have more atoms than were asked for.
+            // A law may have more atoms than requested.
             if done.contains(&atoms) || atoms > MOST_ATOMS {
                 continue;
             }

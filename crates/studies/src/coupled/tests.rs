@@ -1,4 +1,4 @@
-//! The study's own dictionary has the laws in it, and its grades multiply.
+//! The study's own dictionary contains the laws, and its grades multiply.
 
 use sidc_solve::dictionary::Dictionary;
 use sidc_testing::plants::coupled::{Coupled, FAMILIES, Family, Point, Swing};
@@ -95,7 +95,7 @@ fn the_compiler_is_asked_the_same_problems() {
     let (asked, tried) = (identified(&case, &plan).unwrap(), trials(&case, &plan));
     assert_eq!(asked.len(), tried.len());
     for (asked, tried) in asked.iter().zip(&tried) {
-        // Four rows do not tell a law of as many terms from others.
+        // Four rows cannot distinguish a law from others with as many terms.
         assert_eq!(asked.exact, tried.rows == 60);
         assert_eq!(asked.exact, tried.outcome.exact);
         assert!(!asked.exact || asked.terms == tried.true_terms);

@@ -1,7 +1,6 @@
 //! One solve: is the answer the law?
 //!
-//! In: a system's law, a library, rows, a grading. Out: whether the answer is exact, its terms, its steps. A path that goes on far is
-//! given up.
+//! In: a system's law, a library, rows, a grading. Out: whether the answer is exact, its terms, its steps. A long path is abandoned.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -13,14 +12,14 @@ use sidc_testing::plants::coupled::Law;
 
 use super::library::Library;
 
-/// Largest relative error of a coefficient, and largest false share, of an exact answer.
+/// Largest relative error of a coefficient, and largest share of a false term, in an exact answer.
 const EXACT: f64 = 1e-8;
-/// Share of the largest from which on a term counts.
+/// Smallest share that counts as a term, relative to the largest.
 const COUNTS: f64 = 1e-6;
 
 pub struct Outcome {
     pub exact: bool,
-    /// The solver met its own test.
+    /// Whether the solver met its own stopping test.
     pub solved: bool,
     pub terms: usize,
     pub steps: usize,
@@ -29,7 +28,7 @@ pub struct Outcome {
     pub seconds: f64,
 }
 
-/// Basis pursuit, given up after `most` steps.
+/// Basis pursuit, abandoned after `most` steps.
 pub fn outcome(
     (phi, grades): (&Factored, &Grades),
     target: &[f64],
@@ -62,7 +61,7 @@ pub fn outcome(
     judged(&problem, &solution, truth, start)
 }
 
-/// A solution held against the law's columns and coefficients; `None` where a column is missing.
+/// Compares a solution with the law's columns and coefficients; `truth` is `None` if a column is missing.
 pub fn judged(
     problem: &Problem,
     solution: &Solution,

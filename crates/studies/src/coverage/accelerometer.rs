@@ -1,6 +1,6 @@
-//! A pendulum whose angle and speed are exact and whose acceleration is read by an accelerometer: least squares on a noisy target.
+//! A pendulum with exact angle and speed and a noisy acceleration from an accelerometer: least squares with a noisy target.
 //!
-//! In: nothing. Out: the case with white noise, and with noise that lasts some samples, as behind a filter.
+//! In: nothing. Out: cases with white noise, and with noise that is correlated over some samples, as after a filter.
 
 use super::case::{Case, Motion, Sensor, deviation};
 use sidc_testing::integrate::grid;
@@ -11,7 +11,7 @@ const MODEL: &str = "system pendulum
 state theta : order 2
 ddtheta ~ poly(theta, dtheta; 3) + <sin theta, cos theta, dtheta*sin theta, dtheta*cos theta>
 ";
-/// Correlation from sample to sample behind a filter of five samples.
+/// Correlation between samples after a filter over five samples.
 const FILTERED: f64 = 0.8;
 
 pub fn cases() -> Vec<Case> {

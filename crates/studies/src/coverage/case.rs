@@ -1,6 +1,6 @@
-//! What is studied: a model, the laws that are true of it, motions as perfect sensors would read them, and their noise.
+//! A case of the study: a model, its true laws, motions as perfect sensors would read them, and the noise of the sensors.
 //!
-//! In: a level of noise and a seed. Out: tables as text. Knows nothing of what is found in them.
+//! In: a level of noise and a seed. Out: tables as text. Knows nothing of the equations found in them.
 
 use sidc_testing::random::Random;
 use sidc_testing::table::Table;
@@ -20,7 +20,7 @@ pub struct Case {
 pub enum Motion {
     /// The same in all draws.
     Fixed(Vec<Table>),
-    /// Another one in each.
+    /// A different one in each draw.
     Drawn(fn(&mut Random) -> Vec<Table>),
 }
 
@@ -29,7 +29,7 @@ pub struct Sensor {
     pub column: &'static str,
     /// Standard deviation at level 1.
     pub size: f64,
-    /// Correlation of one sample's error with the next one's: 0 for white noise.
+    /// Correlation between the errors of consecutive samples: 0 for white noise.
     pub memory: f64,
 }
 
@@ -44,7 +44,7 @@ impl Sensor {
 }
 
 impl Case {
-    /// A start for the generator that no other draw of any case shares (FNV-1a).
+    /// A seed for the generator that no other draw of any case has (FNV-1a).
     fn seed(&self, level: f64, seed: u64) -> u64 {
         let level = level.to_bits().to_le_bytes();
         let draw = seed.to_le_bytes();

@@ -1,4 +1,4 @@
-//! Laws that white noise drives: an Ornstein–Uhlenbeck process, a double well, van der Pol's oscillator. Every draw is another path.
+//! Laws driven by white noise: an Ornstein–Uhlenbeck process, a double well, a van der Pol oscillator. Every draw has its own path.
 //!
 //! In: nothing. Out: the cases. At level 0 their sensors are exact.
 

@@ -1,13 +1,13 @@
-//! Draws as a row of text: how often intervals hold the truth, and in which way they are wrong where they do not.
+//! Summarises draws in a row of text: how often intervals contain the truth, and how they are wrong if they do not.
 //!
-//! In: a case and its draws. Out: figures and their text. Draws whose supports are not the true ones are counted and left out.
+//! In: a case and its draws. Out: figures and their text. Draws without the true supports are only counted.
 
 use std::fmt::Write;
 
 use super::case::Case;
 use super::run::{Draw, Marked};
 
-/// Half the width of a 95 % interval in standard errors.
+/// Half the width of a 95 % interval, in standard errors.
 const HALF: f64 = 1.96;
 
 pub const HEAD: &str = "case                      exact  terms  covered   worst term                          sd/se  (least … most)   bias";
@@ -16,9 +16,9 @@ pub const HEAD: &str = "case                      exact  terms  covered   worst 
 pub struct TermFigures {
     pub name: String,
     pub draws: u32,
-    /// Draws in which |found − true| ≤ 1.96 standard errors.
+    /// Number of draws with |found − true| ≤ 1.96 standard errors.
     pub covered: u32,
-    /// Standard deviation of the coefficient over the median standard error: 1 for true standard errors.
+    /// Standard deviation of the coefficient over the median standard error: 1 if standard errors are right.
     pub ratio: f64,
     /// Mean error over the median standard error.
     pub bias: f64,
@@ -29,7 +29,7 @@ pub struct Row {
     draws: usize,
     exact: usize,
     pub terms: Vec<TermFigures>,
-    /// Of all draws.
+    /// In all draws.
     pub marks: Marked,
 }
 
@@ -58,7 +58,7 @@ impl Row {
         }
     }
 
-    /// Of all terms in all exact draws, how many are covered, and how many there are.
+    /// The numbers of covered terms and of all terms in the exact draws.
     pub fn covered(&self) -> (u32, u32) {
         let sum = |of: fn(&TermFigures) -> u32| self.terms.iter().map(of).sum();
         (sum(|t| t.covered), sum(|t| t.draws))
@@ -142,7 +142,7 @@ fn figures(name: String, truth: f64, found: &[(f64, f64)]) -> TermFigures {
     }
 }
 
-/// Sorts.
+/// The median; sorts `values`.
 fn median(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)

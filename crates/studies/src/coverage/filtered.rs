@@ -1,12 +1,12 @@
-//! Sensors behind a filter: every error lasts, half, four fifths or nineteen twentieths of it until the next sample.
+//! Sensors with a filter, so that 0.5, 0.8 or 0.95 of every error remains at the next sample.
 //!
-//! In: nothing. Out: the cases: an oscillator, a pendulum of which only the angle is read, predator and prey, a nerve cell.
+//! In: nothing. Out: the cases: an oscillator, a pendulum with only the angle measured, predator and prey, a nerve cell.
 
 use super::case::{Case, Law, Motion, Sensor, deviation};
 use sidc_testing::integrate::{grid, integrate};
 use sidc_testing::table::Table;
 
-/// Names of the cases by memory; the shares of an error that last from a sample to the next.
+/// Names of the cases, by the correlation of errors between samples.
 const MEMORIES: [(f64, [&str; 4]); 3] = [
     (
         0.5,

@@ -1,4 +1,4 @@
-//! How often intervals hold the truth: cases of known laws, draws of noise, and their figures.
+//! How often intervals contain the truth: cases of known laws, draws of noise, and their figures.
 
 pub mod accelerometer;
 pub mod case;

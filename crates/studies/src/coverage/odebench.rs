@@ -1,7 +1,7 @@
 //! Ten systems of ODEBench (d'Ascoli et al., ICLR 2024; github.com/sdascoli/odeformer, MIT): laws, constants and both starts.
 //!
-//! In: nothing. Out: a case for each, its states read 501 or 1,000 times in ten seconds. One to four states, terms that are weak,
-//! a limit cycle with two speeds, chaos, a conserved sum.
+//! In: nothing. Out: a case for each system, its states read 501 or 1,000 times in ten seconds. They have one to four states, and include weak terms, a limit
+//! cycle with two speeds, chaos and a conserved sum.
 
 use super::case::{Case, Law, Motion, Sensor, deviation};
 use sidc_testing::plants::response::free;
@@ -23,7 +23,7 @@ struct System {
 const SECONDS: f64 = 10.0;
 const NAMES: [&str; 5] = ["t", "x0", "x1", "x2", "x3"];
 const CUBIC: &str = "poly(STATES; 3)";
-/// What the benchmark gives to systems with functions of one state and of two.
+/// The benchmark's functions for systems of one and of two states.
 const TRIG_1: &str = "poly(x0; 2) + <sin(x0), cos(x0), sin(x0)*cos(x0), sin(x0)^2, x0*sin(x0), x0*cos(x0), exp(x0), exp(-x0)>";
 const TRIG_2: &str = "poly(x0, x1; 2) + <sin(x0), sin(x1), cos(x0), cos(x1)> + <1, x0, x1, cos(x0), cos(x1)> * <sin(x0), sin(x1)> \
     + <x0, x1> * <cos(x0), cos(x1)> + <sin(x0)^2, sin(x0)*sin(x1), sin(x1)^2, cos(x0)*cos(x1)>";
@@ -72,12 +72,12 @@ fn systems() -> Vec<System> {
     all
 }
 
-/// One of them read 31 times: few readings for each coefficient.
+/// One of the systems, read only 31 times: few readings for each coefficient.
 pub fn short() -> Case {
     case(lotka_volterra("ode27_short", 31))
 }
 
-/// One state.
+/// Systems with one state.
 fn plain() -> Vec<System> {
     vec![
         System {
@@ -101,7 +101,7 @@ fn plain() -> Vec<System> {
     ]
 }
 
-/// Hares and lynxes, read so many times.
+/// Hares and lynxes, read `rows` times.
 fn lotka_volterra(name: &'static str, rows: usize) -> System {
     System {
         name,
@@ -124,7 +124,7 @@ fn lotka_volterra(name: &'static str, rows: usize) -> System {
     }
 }
 
-/// Two states.
+/// Systems with two states.
 fn planar() -> Vec<System> {
     let planar = |name, library, laws, rates, starts: [[f64; 2]; 2], rows| System {
         name,
@@ -196,7 +196,7 @@ fn planar() -> Vec<System> {
     ]
 }
 
-/// Three states and four.
+/// Systems with three or four states.
 fn spatial() -> Vec<System> {
     vec![
         System {

@@ -1,6 +1,6 @@
-//! The pendulum on its cart, from two positions and the command, with the library of models/pendulum_positions.sid.
+//! The pendulum on a cart, from two positions and the command, with the library of models/pendulum_positions.sid.
 //!
-//! In: nothing. Out: the case. The motion is that of the program `plant`: ten seconds of held forces on a bounded track.
+//! In: nothing. Out: the cases. The motion is that of the program `plant`: ten seconds of held forces on a bounded track.
 
 use super::case::{Case, Motion, Sensor};
 use sidc_testing::integrate::{grid, integrate};
@@ -19,12 +19,12 @@ ddtheta ~ motion + ddy * trig
 ";
 const ROWS: usize = 1001;
 const STEP: f64 = 0.01;
-/// Correlation from sample to sample behind a filter of three samples.
+/// Correlation between samples after a filter over three samples.
 const FILTERED: f64 = 0.7;
-/// Level 1 of the noise: metres and radians.
+/// Noise at level 1, in metres and radians.
 const SIZES: (f64, f64) = (0.3, 1.0);
 
-/// With white noise, and with noise that lasts some samples, as behind a filter.
+/// Cases with white noise, and with noise that is correlated over some samples, as after a filter.
 pub fn cases() -> Vec<Case> {
     vec![
         cart_pendulum("cart_pendulum", 0.0),

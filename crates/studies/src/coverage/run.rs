@@ -1,6 +1,6 @@
-//! A case through the whole program, many draws of noise: what each true coefficient came out as, with its standard error.
+//! Runs a case through the whole program with many draws of noise, and collects each true coefficient with its standard error.
 //!
-//! In: a case, a level, a number of draws. Out: a [`Draw`] each, in order of the seeds. What it calls is what `sidc identify` calls.
+//! In: a case, a level, a number of draws. Out: a [`Draw`] each, in the order of the seeds. Makes the same calls as `sidc identify`.
 
 use sidc::pipeline;
 use sidc::{Options, Unwatched};
@@ -12,21 +12,21 @@ use sidc_system::discovery::Discovery;
 
 use super::case::Case;
 
-/// What one draw of noise came to.
+/// The result of one draw of noise.
 pub struct Draw {
-    /// Coefficient and standard error of every true term, law by law; `None` unless the supports are the true ones.
+    /// Coefficient and standard error of every true term, law by law; `None` unless all supports are true.
     pub exact: Option<Vec<(f64, f64)>>,
     pub marks: Marked,
 }
 
-/// Terms found: by mark (doubtful, likely, firm), those of the laws and others.
+/// Numbers of terms found by mark (doubtful, likely, firm): terms of the laws, and others.
 pub type Marked = [[usize; 2]; 3];
 
-/// Draws that run at once.
+/// Number of draws that run concurrently.
 const THREADS: u64 = 2;
 
 /// # Errors
-/// What the program says of a model or a table that it refuses.
+/// Diagnostics of a model or table that the program rejects.
 pub fn draws(case: &Case, level: f64, count: u64) -> Result<Vec<Draw>, String> {
     let share = |first: u64| {
         let seeds = (first..count).step_by(THREADS as usize);

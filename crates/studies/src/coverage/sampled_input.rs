@@ -1,6 +1,6 @@
-//! A pendulum under a force of which only samples are known: it ran along a smooth curve between them, or straight.
+//! A pendulum under a force known only at samples; between them it followed a smooth curve or straight lines.
 //!
-//! In: nothing. Out: the two cases. Their samples are nearly alike, and neither the record of the force nor its model says which is true.
+//! In: nothing. Out: the two cases. Their samples are nearly equal, and neither the record of the force nor its model says which is true.
 
 use super::case::{Case, Motion, Sensor, deviation};
 use sidc_testing::integrate::{grid, integrate};
@@ -21,7 +21,7 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-/// Two tones, between samples too.
+/// Two sines, also between samples.
 fn tones(t: f64) -> f64 {
     1.2 * (1.1 * t).sin() + 0.8 * (2.7 * t + 1.0).sin()
 }

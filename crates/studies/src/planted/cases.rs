@@ -1,6 +1,6 @@
-//! Sixty records that cannot, or can hardly, say what is asked of them, each for a cause that is known: it was planted.
+//! Sixty records that cannot, or can hardly, answer the question asked of them, each for a known, planted cause.
 //!
-//! In: a seed. Out: models, tables and the cause that has to be named. Uses nothing of the compiler but the names of causes.
+//! In: a seed. Out: models, tables and the cause to be named. Uses nothing of the compiler except the names of causes.
 
 use std::fmt::Write;
 
@@ -10,29 +10,29 @@ use sidc_testing::integrate::grid;
 use sidc_testing::plants::response::free;
 use sidc_testing::random::Random;
 
-/// A record, what is asked of it, and what stands against the answer.
+/// A record, its model, and the cause that prevents the answer.
 pub struct Case {
     pub name: String,
     pub kind: &'static str,
-    /// Names that are right.
+    /// Causes that count as right.
     pub causes: &'static [Cause],
     pub model: String,
     pub tables: Vec<String>,
     /// The equation that is judged.
     pub target: &'static str,
-    /// Its true terms; `None` where its library does not have them.
+    /// Its true terms; `None` if its library lacks some.
     pub truth: Option<&'static [&'static str]>,
 }
 
 type State = [f64; 4];
 
-/// Noise of the readings over their spread.
+/// Noise of the readings, relative to their spread.
 const NOISE: [f64; 3] = [0.0, 0.0, 0.01];
 
-/// Makes the case of a cause with this number, its figures drawn from a seed.
+/// Makes the case of a cause with this number; the seed draws its constants.
 type Make = fn(usize, u64) -> Case;
 
-/// All cases, seven causes in turn; the seed draws their figures.
+/// All cases, from seven causes; the seed draws their constants.
 pub fn cases(seed: u64) -> Vec<Case> {
     let kinds: [(Make, usize); 7] = [
         (alias, 9),
@@ -50,7 +50,7 @@ pub fn cases(seed: u64) -> Vec<Case> {
     all
 }
 
-/// A case in the making.
+/// A case under construction.
 struct Plan {
     kind: &'static str,
     causes: &'static [Cause],
@@ -94,7 +94,7 @@ impl Plan {
     }
 }
 
-/// Columns by name; the first is time and has no noise.
+/// A table of named columns; the first is time and has no noise.
 fn table(columns: &[(&str, Vec<f64>)], noise: f64, random: &mut Random) -> String {
     let names: Vec<&str> = columns.iter().map(|c| c.0).collect();
     let mut text = names.join(",") + "\n";
@@ -127,7 +127,7 @@ fn wave(t: f64, phase: f64) -> f64 {
     (1.3 * t + phase).sin() + 0.7 * (0.47 * t + 2.0 * phase).sin() + 0.4 * (2.9 * t).cos()
 }
 
-/// Terms that are the same column, always or because an argument keeps its sign.
+/// Terms with equal columns, either always or because an argument keeps its sign.
 fn alias(number: usize, seed: u64) -> Case {
     let mut plan = Plan::new("alias", &[Cause::Identity, Cause::OneSign], number, seed);
     let noise = NOISE[number / 5 % 3];
@@ -192,7 +192,7 @@ fn alias(number: usize, seed: u64) -> Case {
     plan.case(model, vec![text])
 }
 
-/// Closed systems: a sum of the states stays what it is.
+/// Closed systems: a sum of the states is conserved.
 fn conserved(number: usize, seed: u64) -> Case {
     let mut plan = Plan::new("conserved sum", &[Cause::Conserved], number, seed);
     let noise = NOISE[number % 3];
@@ -216,7 +216,7 @@ fn conserved(number: usize, seed: u64) -> Case {
             plan.case("state S, I, R\ndS, dI, dR ~ poly(S, I, R; 2)\n", vec![text])
         }
         1 => {
-            // 2 A → B → C with A + 2 B + 2 C kept.
+            // 2 A → B → C conserves A + 2 B + 2 C.
             let f = |_: f64, x: &State| {
                 let (first, second) = (a * x[0] * x[0], c * x[1]);
                 [-2.0 * first, first - second, second, 0.0]
@@ -228,7 +228,7 @@ fn conserved(number: usize, seed: u64) -> Case {
             plan.case("state A, B, C\ndA, dB, dC ~ poly(A, B, C; 2)\n", vec![text])
         }
         _ => {
-            // Exchange between three compartments, one flow of which saturates.
+            // Exchange between three compartments with one saturating flow.
             let f = |_: f64, x: &State| {
                 let (p, q, s) = (a * x[0] * x[1], c * x[1], b * x[2]);
                 [s - p, p - q, q - s, 0.0]
@@ -257,7 +257,7 @@ fn three(
     data
 }
 
-/// Angles, and others, that stay near zero.
+/// Angles and other signals that stay near zero.
 fn small_angle(number: usize, seed: u64) -> Case {
     let mut plan = Plan::new("small angle", &[Cause::SmallRange], number, seed);
     let noise = NOISE[number % 3];
@@ -308,7 +308,7 @@ fn small_angle(number: usize, seed: u64) -> Case {
     }
 }
 
-/// Inputs and parameters that never move.
+/// Inputs and parameters that are constant.
 fn constant_input(number: usize, seed: u64) -> Case {
     let mut plan = Plan::new("constant input", &[Cause::ConstantSignal], number, seed);
     let noise = NOISE[number % 3];
@@ -375,7 +375,7 @@ fn constant_input(number: usize, seed: u64) -> Case {
     }
 }
 
-/// Fewer rows than it takes.
+/// Fewer rows than needed.
 fn few_rows(number: usize, seed: u64) -> Case {
     let mut plan = Plan::new("too few rows", &[Cause::TooFewRows], number, seed);
     let r = &mut plan.random;
@@ -402,14 +402,14 @@ fn few_rows(number: usize, seed: u64) -> Case {
     for (i, name) in ["dx", "dy", "dz"].into_iter().enumerate() {
         data.push((name, column(&rates, i)));
     }
-    // Rates read with noise, so that any exact fit of them is a wrong one.
+    // The rates have noise, so that any exact fit is a wrong one.
     let noise = [0.0, 0.02, 0.05, 0.1][number % 4];
     plan = plan.of("dy", &["x", "y", "x*z"]);
     let text = table(&data, noise, &mut plan.random);
     plan.case("state x, y, z\ndy ~ poly(x, y, z; 4)\n", vec![text])
 }
 
-/// A library without one of the terms.
+/// A library that lacks one of the terms.
 fn missing_term(number: usize, seed: u64) -> Case {
     let mut plan = Plan::new("missing term", &[Cause::MissingTerm], number, seed);
     let noise = if number % 4 == 3 { 0.01 } else { 0.0 };
@@ -448,7 +448,7 @@ fn missing_term(number: usize, seed: u64) -> Case {
             )
         }
         2 => {
-            // An input that the model's author forgot to use.
+            // An input that the author of the model forgot.
             let f = |t: f64, x: &State| [2.0 * wave(t, b) - a * x[0], 0.0, 0.0, 0.0];
             let times = grid(600, 0.02);
             let states = free(&f, &times, [0.0; 4]);

@@ -1,6 +1,6 @@
-//! One planted case through the whole program: which cause is named, and whether a wrong answer passes.
+//! Runs a planted case through the whole program: which cause is named, and whether a wrong answer passes.
 //!
-//! In: a case. Out: an [`Outcome`]. What it calls is what `sidc identify` calls.
+//! In: a case. Out: an [`Outcome`]. Makes the same calls as `sidc identify`.
 
 use sidc::pipeline;
 use sidc::{Options, Unwatched};
@@ -13,15 +13,15 @@ use sidc_system::discovery::{Cause, Discovery, FoundTerm, Mark, Status};
 use super::cases::Case;
 
 pub struct Outcome {
-    /// Cause of the leading finding, as it is written; empty if there is none.
+    /// Cause of the leading finding, as printed; empty if there is none.
     pub named: String,
     pub right_cause: bool,
-    /// The equation has the true terms.
+    /// Whether the equation has exactly the true terms.
     pub right_answer: bool,
     pub passes: bool,
-    /// Terms marked firm that are none of the truth's.
+    /// Terms marked firm that are not in the true law.
     pub firm: Vec<String>,
-    /// What the terminal shows.
+    /// The evidence as the terminal shows it.
     pub shown: String,
 }
 
@@ -32,7 +32,7 @@ impl Outcome {
 }
 
 /// # Errors
-/// What the program said instead of an answer.
+/// What the program reported instead of an answer.
 pub fn run(case: &Case) -> Result<Outcome, String> {
     let discovery = identify(case)?;
     let found = discovery
@@ -41,7 +41,7 @@ pub fn run(case: &Case) -> Result<Outcome, String> {
         .find(|e| discovery.name(e.target) == case.target);
     let Some(equation) = found else {
         let shown = sidc_emit::evidence(&discovery);
-        // An equation that could not be found at all is told what it lacks in its reason.
+        // For an equation that could not be found, the reason says what its library lacks.
         let lacks = shown.contains("which it lacks") && case.causes.contains(&Cause::MissingTerm);
         return Ok(Outcome {
             named: if lacks {
@@ -92,7 +92,7 @@ pub fn run(case: &Case) -> Result<Outcome, String> {
     })
 }
 
-/// The word that the plan uses for a function that its library holds twice.
+/// The spelling used in the plan for a function that its library has in two forms.
 fn planned_word(term: String) -> String {
     match term.as_str() {
         "sqrt(x^2)" => "abs(x)".into(),

@@ -1,4 +1,4 @@
-//! Noise bounds: the error of basis pursuit denoising against ε, beside that of least squares on the true terms.
+//! Noise bounds: the error of basis pursuit denoising as a function of ε, compared with least squares on the true terms.
 
 use sidc_progress::Unwatched;
 use sidc_solve::{SOLVERS, refit};
@@ -13,16 +13,16 @@ use sidc::pipeline::Regression;
 
 const SAMPLES: usize = 200;
 
-/// Medians of one noise level.
+/// Medians at one noise level.
 struct Point {
     law: usize,
     noise: f64,
     /// ε/‖y‖
     tolerance: f64,
-    /// ‖D(â − a)‖/‖Da‖ of the programme with noise, and of least squares on the true terms.
+    /// ‖D(â − a)‖/‖Da‖ of basis pursuit denoising, and of least squares on the true terms.
     pursuit: f64,
     oracle: f64,
-    /// Share of draws in which the true terms are those of the largest shares.
+    /// Share of draws in which the true terms have the largest contributions.
     ranked: f64,
 }
 
@@ -134,7 +134,7 @@ fn errors(law: &Law, regression: &Regression, tolerance: f64) -> [f64; 4] {
     ]
 }
 
-/// The constant in error = C ε, where the true terms stand out.
+/// The constant C in error = C ε, for levels at which the true terms stand out.
 fn constants(points: &[Point]) -> String {
     let of = |law: usize| {
         let c: Vec<f64> = points

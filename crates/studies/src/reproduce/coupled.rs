@@ -1,16 +1,16 @@
-//! Random coupled mechanisms: rows that their laws need, plain and in graded norms.
+//! Random coupled mechanisms: rows needed for their laws, with plain and with graded norms.
 
 use super::tidy::{Tidy, percent};
 use super::{Effort, Fault, Section, work};
 use crate::coupled::{Case, Outcome, Plan, Size, Trial, cases, degree, identified, trials};
 use sidc_testing::plants::coupled::{FAMILIES, Swing};
 
-/// Choices of norms, as places among the gradings of [`plan`]; none are those of `sidc identify`.
+/// Choices of norms, as indices into the gradings of [`plan`]; an empty list means those of `sidc identify`.
 const CHOICES: [(&str, &[usize]); 3] =
     [("plain", &[0]), ("by degree", &[0, 1, 2]), ("as sidc", &[])];
-/// The share that is asked for.
+/// The share of exact answers that is required.
 const WANTED: f64 = 0.95;
-/// Samples at which shares are told beside it.
+/// Number of samples at which shares are reported in addition.
 const BESIDE: usize = 60;
 
 fn plan(effort: Effort) -> Plan {
@@ -22,7 +22,7 @@ fn plan(effort: Effort) -> Plan {
     }
 }
 
-/// Exact answers of a family, swing and choice, at each number of rows; and problems.
+/// Number of exact answers for a family, swing and choice at each number of rows; and the number of problems.
 struct Count {
     exact: Vec<usize>,
     of: usize,
@@ -30,9 +30,9 @@ struct Count {
 
 /// Answers to the problems of a case.
 struct Found {
-    /// Those of one problem stand together.
+    /// Grouped by problem.
     trials: Vec<Trial>,
-    /// One a problem.
+    /// One per problem.
     identified: Vec<Outcome>,
 }
 
@@ -135,7 +135,7 @@ fn count(
 }
 
 impl Count {
-    /// Fewest rows from which on enough are exact, and how many are exact at [`BESIDE`].
+    /// Fewest rows from which on enough answers are exact, and the number of exact answers at [`BESIDE`].
     fn needed(&self, rows: &[usize]) -> String {
         let enough = |k: &usize| *k as f64 >= WANTED * self.of as f64;
         let after = self.exact.iter().rposition(|k| !enough(k));

@@ -1,11 +1,11 @@
-//! Correlated columns: whether it helps to take them apart before the solver sees them.
+//! Correlated columns: does it help to decorrelate them before solving?
 
 use super::plot::{Axis, Figure, Look, Mark, Panel};
 use super::tidy::{Tidy, exact};
 use super::{Attachment, Effort, Fault, Section, work};
 use crate::decorrelation::{ANGLES, NOISES, WAYS, right};
 
-/// Counts of one angle and noise.
+/// Counts for one angle and noise.
 struct Point {
     angle: f64,
     noise: f64,

@@ -1,7 +1,6 @@
-//! What differs from the thesis and why: its misprints, its unknown library, and solvers that do not arrive.
+//! What differs from the thesis and why: its misprints, its unknown library, and solvers that do not converge.
 //!
-//! Two ways not to arrive are tried on the samples of its tables: a textbook method on rows that are numerically dependent, and a tolerance
-//! that allows a residual.
+//! Two explanations are tried on the samples of its tables: a textbook method on numerically dependent rows, and a tolerance that allows a residual.
 
 use sidc::pipeline::Regression;
 use sidc_progress::Unwatched;
@@ -14,10 +13,10 @@ use super::tables::Table;
 use super::tidy::{Tidy, error, exact, rough};
 use super::{Attachment, Effort, Fault, Section, tables, textbook, work};
 
-/// Residuals that are tried, a decade.
+/// Residuals tried per decade.
 const PARTS: f64 = 20.0;
 
-/// Coefficients of the true terms where a residual is allowed.
+/// Coefficients of the true terms for one allowed residual.
 struct Stage {
     /// ‖Φa − y‖/‖y‖
     left: f64,
@@ -29,13 +28,13 @@ struct Outcome<'a> {
     table: &'a Table,
     place: usize,
     law: &'a Law,
-    /// Rising in accuracy.
+    /// In order of increasing accuracy.
     tolerated: Vec<Stage>,
     textbook: Vec<f64>,
     end: String,
 }
 
-/// The answers where a residual is allowed, from nearly all of y to a ten-thousandth.
+/// The answers for allowed residuals from nearly all of y down to a ten-thousandth of it.
 fn tolerated(law: &Law, regression: &Regression) -> Vec<Stage> {
     let length = regression.target.iter().map(|y| y * y).sum::<f64>().sqrt();
     let stage = |k: i32| {
@@ -85,7 +84,7 @@ impl Outcome<'_> {
         self.table.thesis[self.place]
     }
 
-    /// The stage whose errors are most like the thesis'.
+    /// The stage with errors closest to those of the thesis.
     fn nearest(&self) -> Option<&Stage> {
         let unlike = |s: &Stage| -> f64 {
             let terms = self

@@ -1,4 +1,4 @@
-//! The cart with a double pendulum: rows that each of its three equations needs out of 1,594,323 terms.
+//! The cart with a double pendulum: rows needed for each of its three equations out of 1,594,323 terms.
 
 use super::plot::{Axis, Figure, Look, Mark, Panel, short};
 use super::record::Record;
@@ -9,22 +9,22 @@ use super::{Attachment, Effort, Fault, Section, work};
 use sidc_testing::plants::cart_pendulum::Law;
 use sidc_testing::plants::double_pendulum;
 
-/// Samples at which draws are counted: of ẍ and θ̈₁, and of θ̈₂.
+/// Numbers of samples at which draws are counted: for ẍ and θ̈₁, and for θ̈₂.
 const FEW: usize = 80;
 const MANY: usize = 170;
 const DECLARED: &str = "state x, th1, th2 : order 2\ninput F : hold\n";
 const ATOMS: &str =
     "x, dx, ddx, th1, dth1, ddth1, th2, dth2, ddth2, sin th1, cos th1, sin th2, cos th2, F";
-/// Two more: 14,348,907 terms.
+/// Two more atoms: 14,348,907 terms.
 const MORE: &str = ", sin F, cos F";
-/// The atoms of the lower rod's law, and nothing that only the cart's has.
+/// The atoms of the lower rod's law, without those of the cart.
 const RODS: &str = "ddx, dth1, ddth1, dth2, sin th1, cos th1, sin th2, cos th2, th2";
 
 fn law(target: &'static str, terms: &[(&'static str, f64)]) -> Law {
     (target, terms.to_vec())
 }
 
-/// Masses 0.6, 0.3, 0.2 kg, rods 0.5, 0.4 m, frictions 0.05 and 0.01, solved for one acceleration each.
+/// The laws for masses 0.6, 0.3, 0.2 kg, rods 0.5, 0.4 m and frictions 0.05, 0.01, each solved for one acceleration.
 fn laws() -> [Law; 3] {
     [
         law(
@@ -69,11 +69,11 @@ fn laws() -> [Law; 3] {
 #[derive(Clone, Copy, PartialEq)]
 struct Motion {
     rows: usize,
-    /// Seconds.
+    /// In seconds.
     step: f64,
-    /// Fewest and most samples that a force is held.
+    /// Fewest and most samples for which a force is held.
     hold: (usize, usize),
-    /// Of the first record.
+    /// Seed of the first record.
     seed: u64,
     name: &'static str,
 }
@@ -85,7 +85,7 @@ const MINUTE: Motion = Motion {
     seed: 300,
     name: "60 s at 20 Hz",
 };
-/// Half as long and five times as dense.
+/// Half the duration at five times the sampling rate.
 const DENSE: Motion = Motion {
     rows: 3000,
     step: 0.01,
@@ -94,7 +94,7 @@ const DENSE: Motion = Motion {
     name: "30 s at 100 Hz",
 };
 
-/// Each under a square force of its own.
+/// Records, each under its own square-wave force.
 fn records(motion: Motion, count: usize) -> Result<Vec<Record>, Fault> {
     let seeds: Vec<u64> = (0..count as u64).collect();
     work::all("double pendulum", &seeds, |seed| {
@@ -110,11 +110,11 @@ fn records(motion: Motion, count: usize) -> Result<Vec<Record>, Fault> {
     })
 }
 
-/// A curve to find: an equation out of a library, from records of a motion, in plain or graded norms.
+/// A curve to compute: an equation from a library and records of a motion, in plain or graded norms.
 struct Case {
     motion: Motion,
     norms: Norms,
-    /// Place among the laws.
+    /// Index of the law.
     law: usize,
     atoms: String,
     look: Look,
@@ -144,7 +144,7 @@ fn cases(effort: Effort) -> Vec<Case> {
             effort.of(40, 2),
         )
     };
-    // The large libraries are no quick look.
+    // The large libraries take too long for a quick run.
     if effort == Effort::Quick {
         return vec![rods];
     }
@@ -260,7 +260,7 @@ fn lines(found: &[(Case, Curve)]) -> Tidy {
     csv
 }
 
-/// Exact draws of each record and library at [`FEW`] and [`MANY`] samples.
+/// Exact draws for each record and library at [`FEW`] and [`MANY`] samples.
 fn demanded(found: &[(Case, Curve)]) -> Tidy {
     let mut table = Tidy::new(&["record", "terms", "ẍ", "θ̈₁", "θ̈₂"]);
     let graded = || {
@@ -299,7 +299,7 @@ fn drawn(found: &[(Case, Curve)]) -> Attachment {
             symbol(c.target),
             short(c.terms as f64)
         );
-        // With so few draws bands would cover each other.
+        // With so few draws, bands would overlap.
         let [_, line] = c.line(case.look, &name, 1.0);
         line
     });

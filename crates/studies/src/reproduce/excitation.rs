@@ -1,4 +1,4 @@
-//! Which excitation makes Φ recoverable, and which figure of Φ says so beforehand.
+//! Which excitation makes the law recoverable from Φ, and which figure of Φ predicts it.
 
 use std::f64::consts::PI;
 
@@ -17,7 +17,7 @@ const ROWS: usize = 1500;
 struct Condition {
     name: &'static str,
     kind: Kind,
-    /// Factors of the force, or first angles in degrees if nothing drives.
+    /// Factors of the force, or initial angles in degrees if there is no force.
     strengths: &'static [f64],
     unit: &'static str,
 }
@@ -61,7 +61,7 @@ const CONDITIONS: [Condition; 6] = [
     },
 ];
 
-/// One condition and one equation.
+/// The outcome for one condition and one equation.
 struct Outcome {
     excitation: usize,
     strength: f64,
@@ -79,7 +79,7 @@ impl Outcome {
         }
     }
 
-    /// Rows needed; beyond all that were tried if none sufficed.
+    /// Rows needed; infinite if no number tried sufficed.
     fn needed(&self) -> f64 {
         self.curve.needed().map_or(f64::INFINITY, |m| m as f64)
     }
@@ -98,7 +98,7 @@ fn records(condition: &Condition, strength: f64, count: usize) -> Result<Vec<Rec
     let seeds: Vec<u64> = (0..count as u64).collect();
     work::all("excitation", &seeds, |seed| {
         let free = condition.kind == Kind::Zero;
-        // A controller may be caught the same way every time: it starts a little off.
+        // A controller might catch the pendulum in the same way every time, so the start varies a little.
         let nudge = 0.01 * (1.0 + *seed as f64);
         let experiment = Experiment {
             angle: match condition.kind {
@@ -137,7 +137,7 @@ fn outcomes(effort: Effort) -> Result<Vec<Outcome>, Fault> {
 pub fn section(effort: Effort) -> Result<Section, Fault> {
     let all = outcomes(effort)?;
     let shown = |target: &str| -> Vec<&Outcome> {
-        // Without a force its coefficient is no question.
+        // Without a force, its coefficient cannot be asked for.
         let asked = |o: &&Outcome| {
             o.curve.target == target
                 && (target != "ddy" || CONDITIONS[o.excitation].kind != Kind::Zero)
@@ -277,7 +277,7 @@ fn correlations(cart: &[&Outcome], rod: &[&Outcome]) -> Tidy {
 fn shares(cart: &[&Outcome], rod: &[&Outcome]) -> Attachment {
     let panel = |(i, group): (usize, &[&Outcome])| {
         let target = group.first().map_or("", |o| o.curve.target);
-        // The middle strength, so that lines can be told apart.
+        // Only the middle strength, so that lines can be distinguished.
         let main = |o: &&&Outcome| o.strength == 1.0 || o.strength == 90.0;
         let lines = group.iter().filter(main).map(|o| Mark::Line {
             points: o.curve.shares(),
@@ -293,7 +293,7 @@ fn shares(cart: &[&Outcome], rod: &[&Outcome]) -> Attachment {
     };
     let groups = [rod, cart];
     let mut panels: Vec<Panel> = groups.into_iter().enumerate().map(panel).collect();
-    // ÿ stands first, as everywhere; the legend is read from θ̈, which has all lines.
+    // ÿ comes first as everywhere, but the legend is taken from θ̈, which has all lines.
     panels.swap(0, 1);
     let labels: Vec<String> = panels.iter().map(|p| p.y.label.clone()).collect();
     panels
@@ -303,7 +303,7 @@ fn shares(cart: &[&Outcome], rod: &[&Outcome]) -> Attachment {
     figure("excitation.svg", panels)
 }
 
-/// Where a condition stands at which no number of samples sufficed.
+/// Position on the axis of conditions for which no number of samples sufficed.
 const NEVER: f64 = 1200.0;
 
 /// Fewest samples against coherence, exact recovery and isometry.

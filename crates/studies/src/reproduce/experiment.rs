@@ -1,4 +1,4 @@
-//! Figures 5.4 to 5.6: the experiment's force, angle and position; and the second excitation, of chapter 6.
+//! Figures 5.4 to 5.6: the experiment's force, angle and position; and the second excitation of chapter 6.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -10,7 +10,7 @@ use sidc_testing::plants::force::Kind;
 
 const ROWS: usize = 10_000;
 const SEED: u64 = 54;
-/// Every so many samples a point of a curve, and a row of the table.
+/// Samples between points of a curve, and between rows of the table.
 const EVERY: usize = 8;
 const EVERY_ROW: usize = 20;
 
@@ -109,7 +109,7 @@ fn drawn(name: &str, record: &Record, titles: [&str; 3], seconds: f64) -> Attach
     }
 }
 
-/// A held signal: corners where it changes, as far as that can be seen.
+/// A held signal as a polyline with corners at visible changes.
 fn steps(record: &Record, seconds: f64) -> Vec<(f64, f64)> {
     let force = record.column("F");
     let mut points: Vec<(f64, f64)> = Vec::new();
@@ -146,7 +146,7 @@ fn curve(record: &Record, column: &str, seconds: f64) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Angles within ±π, cut where they leave at one end and come in at the other.
+/// Angles within ±π, split where they wrap.
 fn wrapped(points: Vec<(f64, f64)>) -> Vec<Vec<(f64, f64)>> {
     let turn = |angle: f64| ((angle + PI) / TAU).floor();
     let mut pieces: Vec<Vec<(f64, f64)>> = Vec::new();
@@ -162,7 +162,7 @@ fn wrapped(points: Vec<(f64, f64)>) -> Vec<Vec<(f64, f64)>> {
     pieces
 }
 
-/// The range of the heights and a twentieth more.
+/// The range of the ordinates, extended by 6 % at both ends.
 fn extent(points: &[(f64, f64)]) -> (f64, f64) {
     let low = points.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
     let high = points.iter().map(|p| p.1).fold(f64::NEG_INFINITY, f64::max);

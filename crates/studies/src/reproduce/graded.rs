@@ -1,4 +1,4 @@
-//! The fewest samples in several norms: the pendulum's 6,561 terms, plain and with norms graded by how much factors vary.
+//! The fewest samples in several norms: the pendulum's 6,561 terms, with plain norms and norms graded by the variation of factors.
 
 use super::plot::{Axis, Figure, Look, Mark, Panel};
 use super::setup::{Setup, draw};

@@ -1,4 +1,4 @@
-//! Table 4.1: how far random sparse combinations of unit columns keep their length, and what that says.
+//! Table 4.1: how well random sparse combinations of unit columns keep their length, and what that implies.
 
 use sidc_solve::dictionary::Dictionary;
 
@@ -9,20 +9,20 @@ use super::tidy::{Tidy, quantile, rough};
 use super::{Attachment, Effort, Fault, Section, tables, work};
 use sidc_testing::random::Random;
 
-/// The thesis' least, mean and largest of ‖Φa‖²/‖a‖².
+/// The thesis' minimum, mean and maximum of ‖Φa‖²/‖a‖².
 const THESIS: [[f64; 3]; 2] = [[0.1901, 0.9988, 1.9679], [0.7875, 1.0013, 1.2137]];
 /// Numbers of terms.
 const SIZES: [usize; 7] = [2, 3, 4, 6, 10, 20, 40];
 const SEED: u64 = 41;
 
-/// Columns of length one, one after another.
+/// Columns of length one, stored one after another.
 pub struct Unit {
     rows: usize,
     values: Vec<f64>,
 }
 
 impl Unit {
-    /// Columns of zeros are left out.
+    /// Unit columns of Φ, without zero columns.
     pub fn of(phi: &dyn Dictionary) -> Unit {
         let rows = phi.rows();
         let mut values = Vec::with_capacity(rows * phi.cols());
@@ -50,7 +50,7 @@ impl Unit {
         pairs.map(|(a, b)| a * b).sum()
     }
 
-    /// The largest cosine of two columns.
+    /// The largest absolute cosine of two columns.
     pub fn coherence(&self) -> f64 {
         let pairs = (0..self.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
         pairs
@@ -58,9 +58,9 @@ impl Unit {
             .fold(0.0, f64::max)
     }
 
-    /// (Σσ²)²/Σσ⁴ over the singular values.
+    /// The effective dimension (Σσ²)²/Σσ⁴ over the singular values.
     pub fn dimension(&self) -> f64 {
-        // ΦΦᵀ has the same σ², and few rows.
+        // ΦΦᵀ has the same eigenvalues σ² and only as many rows as Φ.
         let mut gram = vec![0.0; self.rows * self.rows];
         for column in self.values.chunks_exact(self.rows.max(1)) {
             for (line, a) in gram.chunks_exact_mut(self.rows).zip(column) {
@@ -71,7 +71,7 @@ impl Unit {
         (self.len() as f64).powi(2) / squares
     }
 
-    /// ‖Φa‖²/‖a‖² of combinations of `terms` random columns with normal coefficients, rising.
+    /// ‖Φa‖²/‖a‖² of combinations of `terms` random columns with normal coefficients, in ascending order.
     pub fn ratios(&self, terms: usize, draws: usize, seed: u64) -> Vec<f64> {
         let mut random = Random::new(seed);
         let mut ratios: Vec<f64> = (0..draws).map(|_| self.ratio(terms, &mut random)).collect();
@@ -106,7 +106,7 @@ struct Outcome {
     library: usize,
     samples: usize,
     coherence: f64,
-    /// Ratios for every one of [`SIZES`].
+    /// Ratios for each of [`SIZES`].
     ratios: Vec<Vec<f64>>,
 }
 

@@ -1,4 +1,4 @@
-//! What the library is made of: frequencies sin ωθ and cos ωθ, and bounds on the total power.
+//! The choice of the library: frequencies sin ωθ and cos ωθ, and bounds on the total degree.
 
 use super::plot::{Axis, Figure, Look, Mark, Panel, short};
 use super::record::Record;
@@ -9,7 +9,7 @@ use super::{Attachment, Effort, Fault, Section, smallest};
 
 const TARGETS: [&str; 2] = ["ddy", "ddtheta"];
 
-/// A library of each equation, and where it stands on the axis.
+/// A library for each equation, and its position on the axis.
 struct Case {
     place: usize,
     name: String,
@@ -26,7 +26,7 @@ fn rows(effort: Effort) -> Vec<usize> {
     )
 }
 
-/// sin ωθ and cos ωθ for ω = 1 … `most` beside the powers of the rest.
+/// sin ωθ and cos ωθ for ω = 1 … `most`, times the powers of the other atoms.
 fn frequencies(most: usize) -> Result<Case, Fault> {
     let wave = |w: usize| match w {
         1 => "sin(theta), cos(theta)".to_string(),
@@ -46,7 +46,7 @@ fn frequencies(most: usize) -> Result<Case, Fault> {
     })
 }
 
-/// Monomials of eight atoms up to a total power.
+/// Monomials of eight atoms up to a total degree.
 fn powers(total: usize) -> Result<Case, Fault> {
     let of = |other: &str| {
         format!("poly(y, dy, {other}, theta, dtheta, sin theta, cos theta, F; {total})")

@@ -1,6 +1,6 @@
-//! The thesis' tables and figures, and the questions it leaves open: one file a section.
+//! The tables and figures of the thesis, and the questions it leaves open: one file per section.
 //!
-//! In: how much effort to make. Out: text, tables and figures, the same for the same effort on the same machine. Writes no files.
+//! In: the effort. Out: text, tables and figures, the same for the same effort on the same machine. Writes no files.
 
 use std::error::Error;
 
@@ -29,7 +29,7 @@ mod textbook;
 mod tidy;
 mod work;
 
-/// What went wrong, for whoever started the program.
+/// An error, for the user of the program.
 pub type Fault = Box<dyn Error + Send + Sync>;
 
 /// How much to compute.
@@ -37,7 +37,7 @@ pub type Fault = Box<dyn Error + Send + Sync>;
 pub enum Effort {
     /// The committed figures.
     Full,
-    /// Every section, with few draws: seconds instead of minutes.
+    /// Every section with few draws: seconds instead of minutes.
     Quick,
 }
 
@@ -50,20 +50,20 @@ impl Effort {
     }
 }
 
-/// A file beside the text.
+/// A file that accompanies the text.
 pub struct Attachment {
     pub name: String,
     pub content: String,
 }
 
-/// What a section has to say: Markdown below its heading, and its files.
+/// The content of a section: Markdown below its heading, and files.
 pub struct Section {
     pub text: String,
     pub files: Vec<Attachment>,
 }
 
 pub struct Chapter {
-    /// What `--only` takes, and the beginning of its files' names.
+    /// The name for `--only`, and the prefix of its files' names.
     pub name: &'static str,
     pub title: &'static str,
     pub write: fn(Effort) -> Result<Section, Fault>,

@@ -15,7 +15,7 @@ use super::tidy::{Tidy, exact};
 use super::{Attachment, Effort, Fault, Section, smallest, subrate, work};
 use sidc_testing::random::Random;
 
-/// Solvers by name; the last is the program: basis pursuit proposes, its criterion chooses.
+/// Solvers by name. The last is the whole program: basis pursuit proposes, the criterion selects.
 const WAYS: [(&str, &str); 4] = [
     ("homotopy", "basis pursuit"),
     ("omp", "OMP"),
@@ -31,13 +31,13 @@ struct Cell {
     right: usize,
 }
 
-/// The length that noise of standard deviation σ has on so many rows, with a margin of two standard deviations.
+/// The norm of noise with standard deviation σ on this many rows, plus two standard deviations of that.
 pub fn bound(sigma: f64, rows: usize) -> f64 {
     let m = rows as f64;
     sigma * (m + 2.0 * (2.0 * m).sqrt()).sqrt()
 }
 
-/// Normal noise on one signal, of a size relative to its root mean square; returns its standard deviation.
+/// Adds normal noise to one signal, relative to its root mean square. Returns the standard deviation.
 pub fn spoil(record: &mut Record, signal: &str, noise: f64, seed: u64) -> f64 {
     let size = |v: &[f64]| (v.iter().map(|y| y * y).sum::<f64>() / v.len().max(1) as f64).sqrt();
     let sigma = noise * size(record.column(signal));
@@ -144,7 +144,7 @@ fn found(
     Ok(Answer::of(law, &regression, &solution).ranked)
 }
 
-/// As `sidc identify` with the noise declared.
+/// As `sidc identify` with declared noise.
 fn identified(program: &Program, law: &Law, record: &Record, sigma: f64) -> Result<bool, Fault> {
     let columns: Vec<(&str, &[f64])> = record.columns.iter().map(|(n, v)| (*n, &v[..])).collect();
     let mut samples = program.samples(&record.time, &columns)?;
@@ -256,7 +256,7 @@ fn drawn(cells: &[Cell], samples: &[usize], levels: &[f64], draws: usize) -> Att
     }
 }
 
-/// Half way to the neighbours of a value, in ratios.
+/// The geometric midpoints between a value and its neighbours.
 fn edges(values: impl Iterator<Item = f64>, value: f64) -> (f64, f64) {
     let values: Vec<f64> = values.collect();
     let at = values.iter().position(|v| *v == value).unwrap_or(0);

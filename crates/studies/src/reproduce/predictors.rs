@@ -1,6 +1,6 @@
-//! Figures of Φ that might tell beforehand whether basis pursuit will find the law, and how well they rank.
+//! Figures of Φ that might predict whether basis pursuit finds the law, and how well they rank conditions.
 //!
-//! Those that need the law (its columns, its signs) are no use before it is known; they say what the others should have said.
+//! Those that need the law (its columns, its signs) are useless before it is known; they show what the others should have said.
 
 use sidc::pipeline::Regression;
 use sidc_progress::Unwatched;
@@ -27,11 +27,11 @@ pub const FIGURES: [&str; 8] = [
     "certificate: 1 − largest |φᵀλ| off the support",
 ];
 
-/// What they are, for the document.
+/// Their definitions, for the document.
 pub const MEANING: &str = "With S the law's columns, of length one, and s the signs of its coefficients: the *exact recovery coefficient* is max ‖Φ_S⁺φ_j‖₁ over columns off S (Tropp 2004; below 1 basis pursuit and OMP are exact for any \
     signs), the *dual bound* is max |sᵀΦ_S⁺φ_j| (Fuchs 2004; below 1 basis pursuit is exact for these signs), the *effective dimension* is (Σσ²)²/Σσ⁴ over the singular values of Φ.";
 
-/// Rows that the figures are taken on.
+/// Number of rows that the figures are computed on.
 const ROWS: usize = 200;
 
 /// For every law of the setup, the medians over the records.
@@ -54,7 +54,7 @@ fn figures_of(law: &Law, phi: &dyn Dictionary) -> Figures {
     let unit = Unit::of(phi);
     let ratios = unit.ratios(law.truth.len(), 2000, 1);
     let truth = law.truth.iter();
-    // A term that never moves, as a force that is not there, has no column.
+    // A term that is always zero, such as that of an absent force, has no column.
     let support: Vec<(usize, f64)> = truth
         .filter_map(|t| Some((t.column?, t.coefficient.signum())))
         .filter(|(j, _)| phi.norm(*j) > 0.0)
@@ -74,7 +74,7 @@ fn figures_of(law: &Law, phi: &dyn Dictionary) -> Figures {
             .iter()
             .map(|c| c.iter().zip(&other).map(|(a, b)| a * b).sum::<f64>().abs());
         cosine = along.fold(cosine, f64::max);
-        // Φ_S⁺φ_j, back in columns of length one.
+        // Φ_S⁺φ_j, rescaled to columns of length one.
         let fit = refit(phi, &other, &columns).coefficients;
         let parts = || {
             fit.iter()
@@ -100,14 +100,14 @@ fn figures_of(law: &Law, phi: &dyn Dictionary) -> Figures {
     ]
 }
 
-/// How far all columns off the support stay from their bound, by the dual point of the answer.
+/// The margin of all columns off the support from their bound, from the dual point of the answer.
 fn certified(regression: &Regression) -> f64 {
     let problem = regression.problem(0.0);
     let found = SOLVERS[0].solve(&problem, &mut Unwatched);
     certify(&problem, &found.coefficients, &found.dual).margin
 }
 
-/// Spearman's, with mean ranks for ties.
+/// Spearman's rank correlation, with mean ranks for ties.
 pub fn rank_correlation(a: &[f64], b: &[f64]) -> f64 {
     let (a, b) = (ranks(a), ranks(b));
     let middle = (a.len() as f64 - 1.0) / 2.0;

@@ -1,4 +1,4 @@
-//! Records of motion: what ideal sensors of the cart-pendulum read, under one kind of force or another.
+//! Records of motion: what ideal sensors of the cart-pendulum read, for each kind of force.
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::cart_pendulum::{Plant, State};
@@ -6,10 +6,10 @@ use sidc_testing::plants::force::{Force, Kind};
 use sidc_testing::plants::run::{columns, run};
 use sidc_testing::random::Random;
 
-/// Samples a second.
+/// Samples per second.
 pub const RATE: f64 = 100.0;
 
-/// Signals by name, on common instants.
+/// Signals by name, at common times.
 #[derive(Clone)]
 pub struct Record {
     pub time: Vec<f64>,
@@ -40,12 +40,12 @@ impl Record {
 #[derive(Clone, Copy, Debug)]
 pub struct Experiment {
     pub kind: Kind,
-    /// First angle, rad; at rest.
+    /// Initial angle, rad; the motion starts at rest.
     pub angle: f64,
     pub rows: usize,
-    /// Force of the first sample instead of the one drawn, N.
+    /// Force of the first sample in place of the drawn one, N.
     pub first: Option<f64>,
-    /// Draws forces are multiplied by.
+    /// Factor of the drawn forces.
     pub scale: f64,
 }
 
@@ -60,7 +60,7 @@ impl Experiment {
         }
     }
 
-    /// The thesis' plant.
+    /// A record of the thesis' plant.
     pub fn record(&self, seed: u64) -> Record {
         let plant = Plant::default();
         let mut random = Random::new(seed);

@@ -1,4 +1,4 @@
-//! Rows at random, evenly spaced or consecutive: what the same number of samples is worth.
+//! Rows taken at random, evenly spaced or consecutively: how much the same number of samples is worth.
 
 use sidc_discover::split;
 
@@ -11,14 +11,14 @@ use super::{Attachment, Effort, Fault, Section, smallest};
 
 type Take = fn(&Record, usize, u64) -> Record;
 
-/// How rows are taken, for tables and for people.
+/// How rows are taken, with names for tables and for text.
 const WAYS: [(&str, &str, Take); 3] = [
     ("random", "at random", draw),
     ("even", "evenly spaced", even),
     ("consecutive", "consecutive, at 100 Hz", consecutive),
 ];
 
-/// From the first row to the last.
+/// Evenly spaced rows over the whole record.
 fn even(record: &Record, rows: usize, _: u64) -> Record {
     let step = record.len() as f64 / rows as f64;
     record.pick(
@@ -28,7 +28,7 @@ fn even(record: &Record, rows: usize, _: u64) -> Record {
     )
 }
 
-/// From a random row on.
+/// Consecutive rows from a random start.
 fn consecutive(record: &Record, rows: usize, seed: u64) -> Record {
     let first = split(record.len() - rows + 1, 1, Some(1), seed).used[0];
     record.pick(&(first..first + rows).collect::<Vec<_>>())

@@ -1,6 +1,6 @@
-//! A library on a plant whose law is known, and how an answer is held against it.
+//! A library for a plant with known law, and the comparison of answers with the law.
 //!
-//! In: a model's text and the law. Out: regressions on rows, and answers judged. Everything here is the public interface of the compiler.
+//! In: a model's text and the law. Out: regressions on rows, and judged answers. Uses only the public interface of the compiler.
 
 use sidc::pipeline::{Program, Regression};
 use sidc_discover::split;
@@ -11,7 +11,7 @@ use super::Fault;
 use super::record::Record;
 use sidc_testing::plants::cart_pendulum::{self, Plant};
 
-/// Largest relative error of a coefficient, and largest false share, of an exact answer.
+/// Largest relative error of a coefficient, and largest share of a false term, in an exact answer.
 pub const EXACT: f64 = 1e-8;
 
 const DECLARED: &str = "state y, theta : order 2\ninput F : hold\n";
@@ -19,7 +19,7 @@ const DECLARED: &str = "state y, theta : order 2\ninput F : hold\n";
 /// One equation to find.
 pub struct Law {
     pub target: &'static str,
-    /// Terms of the library, empty places left out.
+    /// Number of terms in the library, without empty slots.
     pub terms: usize,
     pub truth: Vec<True>,
 }
@@ -38,7 +38,7 @@ pub struct Setup {
 
 impl Setup {
     /// # Errors
-    /// A model that does not compile, a law with a term that its library lacks.
+    /// A model that does not compile, or a law with a term that its library lacks.
     pub fn new(
         model: &str,
         laws: impl IntoIterator<Item = cart_pendulum::Law>,
@@ -52,7 +52,7 @@ impl Setup {
         Ok(setup)
     }
 
-    /// Of a library that may lack some of the law's terms.
+    /// As [`Setup::new`], for a library that may lack some of the law's terms.
     pub fn incomplete(
         model: &str,
         laws: impl IntoIterator<Item = cart_pendulum::Law>,
@@ -78,13 +78,13 @@ impl Setup {
         Ok(Setup { program, laws })
     }
 
-    /// The cart-pendulum with these libraries of ÿ and θ̈, which may lack terms.
+    /// The cart-pendulum with these libraries for ÿ and θ̈, which may lack terms.
     pub fn cart(ddy: &str, ddtheta: &str) -> Result<Setup, Fault> {
         let model = format!("{DECLARED}ddy ~ {ddy}\nddtheta ~ {ddtheta}\n");
         Setup::incomplete(&model, Plant::default().laws())
     }
 
-    /// The models of the gallery: 768 or 6,561 terms.
+    /// The models of the gallery, with 768 or 6,561 terms.
     pub fn thesis(terms: usize) -> Result<Setup, Fault> {
         let model = match terms {
             768 => include_str!("../../../../models/pendulum_768.sid"),
@@ -100,14 +100,14 @@ impl Setup {
         Ok(self.program.regression(law.target, &samples)?)
     }
 
-    /// Basis pursuit on the rows of a record, nothing done afterwards.
+    /// Basis pursuit on the rows of a record, without a refit.
     pub fn pursue(&self, law: &Law, record: &Record) -> Result<Answer, Fault> {
         let regression = self.regression(law, record)?;
         let solution = SOLVERS[0].solve(&regression.problem(0.0), &mut Unwatched);
         Ok(Answer::of(law, &regression, &solution))
     }
 
-    /// As [`Setup::pursue`], in the norms that `sidc identify` tries: the answer of fewest terms.
+    /// As [`Setup::pursue`], in the norms that `sidc identify` tries: the answer with fewest terms.
     pub fn pursue_graded(&self, law: &Law, record: &Record) -> Result<Answer, Fault> {
         let regression = self.regression(law, record)?;
         let library = self.program.library(law.target).ok_or("no library")?;
@@ -117,23 +117,23 @@ impl Setup {
     }
 }
 
-/// So many rows at random.
+/// Rows drawn at random.
 pub fn draw(record: &Record, rows: usize, seed: u64) -> Record {
     record.pick(&split(record.len(), 1, Some(rows), seed).used)
 }
 
-/// A solution held against the law.
+/// A solution compared with the law.
 #[derive(Clone, Debug)]
 pub struct Answer {
-    /// Of the true terms, in their order.
+    /// Those of the true terms, in the order of the law.
     pub coefficients: Vec<f64>,
-    /// Largest relative error of them.
+    /// Their largest relative error.
     pub error: f64,
-    /// Largest share |a|‖φ‖ of a false term, to the largest of a true one.
+    /// Largest contribution |a|‖φ‖ of a false term, relative to the largest of a true one.
     pub wrong: f64,
-    /// Mean over all terms of the library of the squared error of the coefficient.
+    /// Squared error of the coefficients, averaged over all terms of the library.
     pub mean_square: f64,
-    /// The true terms are those of the largest shares.
+    /// Whether the true terms have the largest contributions.
     pub ranked: bool,
 }
 
@@ -171,7 +171,7 @@ impl Answer {
         }
     }
 
-    /// The law and nothing else, every coefficient to 1e-8.
+    /// Whether it is the law and nothing else, with every coefficient to 1e-8.
     pub fn exact(&self) -> bool {
         self.error <= EXACT && self.wrong <= EXACT
     }

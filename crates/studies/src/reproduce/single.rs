@@ -1,4 +1,4 @@
-//! Systems whose laws are not tied to each other: graded norms must do no harm there.
+//! Systems whose laws are not coupled: graded norms must do no harm there.
 
 use super::Effort;
 use super::Fault;
@@ -22,7 +22,7 @@ struct System {
     model: &'static str,
     laws: fn() -> Vec<Law>,
     rates: fn(&State, f64) -> State,
-    /// Signals of a state, its rates and the input.
+    /// Signals from a state, its rates and the input.
     signals: fn(&State, &State, f64) -> Vec<(&'static str, f64)>,
 }
 
@@ -101,7 +101,7 @@ fn record(system: &System, seed: u64) -> Record {
     }
 }
 
-/// The fewest samples of every law, plain and graded, as Markdown.
+/// The fewest samples for every law, plain and graded, as Markdown.
 pub fn table(effort: Effort) -> Result<String, Fault> {
     let seeds: Vec<u64> = (0..effort.of(60, 3)).collect();
     let rows: Vec<usize> = effort.of((4..=30).chain([35, 40, 50]).collect(), vec![20]);

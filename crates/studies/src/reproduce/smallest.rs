@@ -1,4 +1,4 @@
-//! The fewest samples that do: success over many plants' worth of draws, both libraries, both equations.
+//! The fewest samples that suffice: success over many draws of start and force, for both libraries and both equations.
 
 use std::f64::consts::PI;
 
@@ -14,7 +14,7 @@ use sidc_testing::random::Random;
 /// 15 s.
 const ROWS: usize = 1500;
 
-/// Records of different starts and forces.
+/// Records with different starts and forces.
 pub fn records(count: usize) -> Result<Vec<Record>, Fault> {
     let seeds: Vec<u64> = (0..count as u64).collect();
     work::all("records", &seeds, |seed| {

@@ -1,4 +1,4 @@
-//! Figures 5.7 to 5.9: the mean squared error of the coefficients against the subrate M/N, from the pendant position and from six starts.
+//! Figures 5.7 to 5.9: the mean squared error of the coefficients against the subrate M/N, from the hanging position and from six starts.
 
 use std::f64::consts::PI;
 
@@ -13,7 +13,7 @@ use sidc_testing::random::Random;
 
 const STARTS: usize = 6;
 const SEED: u64 = 57;
-/// What is drawn for an error of zero.
+/// Drawn in place of an error of zero.
 const FLOOR: f64 = 1e-35;
 
 /// Errors of all draws at one number of samples.
@@ -102,7 +102,7 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
     })
 }
 
-/// Different numbers from `low` to `high`, in equal ratios.
+/// Distinct numbers from `low` to `high` in nearly equal ratios.
 pub fn spaced(low: usize, high: usize, count: usize) -> Vec<usize> {
     let ratio = (high as f64 / low as f64).ln() / (count.max(2) - 1) as f64;
     let mut out: Vec<usize> = (0..count)
@@ -137,7 +137,7 @@ fn measured(
     })
 }
 
-/// The least subrate from which on the median error is below 1e-16, for both targets.
+/// The smallest subrate from which on the median error is below 1e-16, for both targets.
 fn step(points: &[Point]) -> String {
     let at = |target: &str| {
         let of: Vec<&Point> = points.iter().filter(|p| p.target == target).collect();

@@ -1,21 +1,21 @@
 //! Shares of exact answers against the number of rows.
 //!
-//! In: a setup, records, how rows are taken. Out: a curve for each law, and the fewest rows that do. Exact is what `Answer::exact` says.
+//! In: a setup, records, how rows are taken. Out: a curve for each law, and the fewest rows that suffice. `Answer::exact` defines exact.
 
 use super::plot::{Look, Mark};
 use super::record::Record;
 use super::setup::{Law, Setup};
 use super::{Fault, work};
 
-/// The share of exact answers that is asked for.
+/// The share of exact answers that is required.
 pub const WANTED: f64 = 0.95;
 
-/// The norms that an answer is sought in.
+/// The norms in which answers are sought.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Norms {
-    /// Basis pursuit
+    /// Basis pursuit.
     Plain,
-    /// Those of `sidc identify`; the answer of fewest terms counts
+    /// The norms of `sidc identify`; the answer with fewest terms counts.
     Graded,
 }
 
@@ -32,9 +32,9 @@ impl Norms {
 
 pub struct Curve {
     pub target: &'static str,
-    /// Candidate terms.
+    /// Number of candidate terms.
     pub terms: usize,
-    /// Rows, and exact answers among the draws.
+    /// Numbers of rows, and of exact answers among the draws.
     pub points: Vec<(usize, usize)>,
     pub draws: usize,
 }
@@ -45,7 +45,7 @@ impl Curve {
         self.points.iter().map(share).collect()
     }
 
-    /// Fewest rows from which on the share of exact answers is at least [`WANTED`], at every number of rows tried.
+    /// Fewest rows from which on the share of exact answers is at least [`WANTED`] for every number of rows tried.
     pub fn needed(&self) -> Option<usize> {
         let enough = |k: usize| k as f64 >= WANTED * self.draws as f64;
         let after = self.points.iter().rposition(|(_, k)| !enough(*k));
@@ -53,7 +53,7 @@ impl Curve {
         self.points.get(first).map(|(m, _)| *m)
     }
 
-    /// As a line over rows, or over rows divided by `unit`.
+    /// The curve as a line with its band, over rows divided by `unit`.
     pub fn line(&self, look: Look, name: &str, unit: f64) -> [Mark; 2] {
         let over = |(m, share): (f64, f64)| (m / unit, share);
         let band = |(m, k): &(usize, usize)| {
@@ -74,7 +74,7 @@ impl Curve {
     }
 }
 
-/// The interval of 95 % for k successes of n (Wilson 1927).
+/// Wilson's 95 % interval for k successes in n trials (Wilson 1927).
 fn wilson(k: usize, n: usize) -> (f64, f64) {
     let (n, z) = (n as f64, 1.96);
     let p = k as f64 / n;
@@ -83,7 +83,7 @@ fn wilson(k: usize, n: usize) -> (f64, f64) {
     (of(-1.0), of(1.0))
 }
 
-/// A curve for every law of the setup: record `k` of `records` is draw `k`, of which `take` takes so many rows.
+/// A curve for every law of the setup. Draw `k` takes rows from record `k` by `take`.
 pub fn curves(
     name: &str,
     setup: &Setup,
@@ -134,7 +134,7 @@ pub fn curves_in(
     Ok(setup.laws.iter().map(curve).collect())
 }
 
-/// A number of rows, or that none of those tried was enough.
+/// A number of rows, or that none of the numbers tried sufficed.
 pub fn told(needed: Option<usize>, tried: &[usize]) -> String {
     let most = tried.iter().max().copied().unwrap_or(0);
     needed.map_or(format!("> {most}"), |m| m.to_string())

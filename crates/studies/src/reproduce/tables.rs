@@ -1,4 +1,4 @@
-//! Tables 5.2 and 5.3: coefficients from the thesis' numbers of samples, with its numbers beside.
+//! Tables 5.2 and 5.3: coefficients from the numbers of samples in the thesis, next to its own coefficients.
 
 use std::f64::consts::PI;
 
@@ -64,13 +64,13 @@ pub fn all() -> [Table; 2] {
     ]
 }
 
-/// The record of Table 5.2, and how many of its samples the thesis took.
+/// The record of Table 5.2, and the number of its samples used in the thesis.
 pub fn pendant() -> (Record, usize) {
     let [table, _] = all();
     (table.record(), table.samples)
 }
 
-/// The mean over 768 terms of the squared errors of the thesis' coefficients in Table 5.2, for one of the laws.
+/// The squared errors of the thesis' coefficients in Table 5.2, averaged over 768 terms, for one of the laws.
 pub fn thesis_mean_square(law: usize) -> f64 {
     let laws = Plant::default().laws();
     let pairs = laws[law].1.iter().zip(all()[0].thesis[law]);
@@ -101,7 +101,7 @@ pub struct Row {
     pub truth: f64,
     pub thesis: f64,
     pub ours: f64,
-    /// Largest share of a term that does not belong.
+    /// Largest share of a false term.
     pub wrong: f64,
 }
 
@@ -111,7 +111,7 @@ impl Row {
     }
 }
 
-/// Every row of both tables, both libraries and both ways to take samples.
+/// Every row of both tables, for both libraries and both ways to take samples.
 pub fn rows() -> Result<Vec<Row>, Fault> {
     let setups = [Setup::thesis(768)?, Setup::thesis(6561)?];
     let tables = all();
@@ -192,7 +192,7 @@ pub fn section(_: Effort) -> Result<Section, Fault> {
     })
 }
 
-/// The thesis' number, its error, and our errors.
+/// The thesis' coefficients with their errors, and our errors.
 fn beside(rows: &[Row], number: &str) -> Tidy {
     let mut table = Tidy::new(&[
         "target",

@@ -1,8 +1,8 @@
-//! Basis pursuit as a textbook has it: the primal–dual method of l1-magic (Candès & Romberg 2005; Boyd & Vandenberghe, section 11.7).
+//! Basis pursuit by a textbook method: the primal–dual method of l1-magic (Candès & Romberg 2005; Boyd & Vandenberghe, section 11.7).
 //!
-//! min Σu s.t. −u ≤ x ≤ u, Ax = b on columns of length one, from the least-norm answer, by normal equations that are neither reduced
-//! nor refined. It ends when the surrogate gap is small, when the equations are singular to working precision, or when no step
-//! helps; its answer is then the iterate before. It stands here for what such a solver makes of numerically dependent rows.
+//! min Σu s.t. −u ≤ x ≤ u, Ax = b on unit columns, from the least-norm solution, by normal equations without reduction or refinement. It stops when the
+//! surrogate gap is small, when the equations are numerically singular, or when no step helps; its answer is then the last iterate. It shows how such a
+//! solver handles numerically dependent rows.
 
 use nalgebra::{DMatrix, DVector};
 use sidc::pipeline::Regression;
@@ -12,14 +12,14 @@ type Vector = DVector<f64>;
 /// The default of l1-magic.
 const GAP: f64 = 1e-3;
 const ITERATIONS: usize = 50;
-/// Reciprocal condition below which the normal equations are given up.
+/// Reciprocal condition number below which the normal equations count as singular.
 const SINGULAR: f64 = 1e-14;
 const HALVINGS: usize = 32;
 
 pub struct Outcome {
-    /// By column, in the units of the raw columns; columns of zeros have none.
+    /// By column, in the units of the raw columns; zero columns are omitted.
     pub coefficients: Vec<(usize, f64)>,
-    /// Why it ended, in words.
+    /// Why it stopped, in words.
     pub end: &'static str,
     pub iterations: usize,
     /// Surrogate duality gap, relative to ‖x‖₁.
@@ -34,10 +34,10 @@ struct Point {
     v: Vector,
 }
 
-/// What is left of the optimality conditions.
+/// Residuals of the optimality conditions.
 struct Left {
     primal: Vector,
-    /// Of x and of u.
+    /// Those of x and of u.
     dual: [Vector; 2],
     centre: [Vector; 2],
 }
@@ -50,7 +50,7 @@ impl Left {
 }
 
 impl Point {
-    /// x − u and −x − u, both negative inside.
+    /// x − u and −x − u, both negative in the interior.
     fn slacks(&self) -> [Vector; 2] {
         [&self.x - &self.u, -&self.x - &self.u]
     }
@@ -117,7 +117,7 @@ pub fn solve(regression: &Regression) -> Outcome {
     }
 }
 
-/// The least-norm answer, its coefficients within their bounds.
+/// The least-norm solution, with strictly feasible bounds.
 fn start(a: &DMatrix<f64>, b: &Vector) -> Point {
     let gram = a * a.transpose();
     let weights = gram.lu().solve(b).unwrap_or_else(|| Vector::zeros(b.len()));
@@ -148,7 +148,7 @@ fn run(a: &DMatrix<f64>, b: &Vector) -> (Point, &'static str, usize) {
         let Some(direction) = direction(a, &point, &left, sharp) else {
             return (point, "normal equations singular", iteration);
         };
-        // Halved until the point is inside and closer.
+        // The step is halved until the point is interior and the residual decreases.
         let mut step = 1.0;
         let better = (0..HALVINGS).find_map(|_| {
             let next = point.stepped(0.99 * step, &direction);
@@ -165,7 +165,7 @@ fn run(a: &DMatrix<f64>, b: &Vector) -> (Point, &'static str, usize) {
     (point, "50 iterations", ITERATIONS)
 }
 
-/// Newton's direction by A diag(1/σ) Aᵀ; `None` if that is singular.
+/// Newton's direction from A diag(1/σ) Aᵀ; `None` if that is singular.
 fn direction(a: &DMatrix<f64>, p: &Point, left: &Left, sharp: f64) -> Option<Point> {
     let [low, high] = p.slacks();
     let (rl, rh) = (p.lower.component_div(&low), p.upper.component_div(&high));

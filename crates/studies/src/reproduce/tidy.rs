@@ -1,4 +1,4 @@
-//! Tables: one observation a row, as CSV; a choice of them as Markdown. And numbers as people read them.
+//! Tables with one observation per row, as CSV, or a selection as Markdown; and readable numbers.
 
 use super::Attachment;
 
@@ -19,7 +19,7 @@ impl Tidy {
         self.rows.push(cells.to_vec());
     }
 
-    /// As a file. Cells with a comma or a quote are quoted.
+    /// The table as a file. Cells with a comma or a quote are quoted.
     pub fn csv(&self, name: &str) -> Attachment {
         let quoted = |cell: &str| match cell.contains([',', '"']) {
             true => format!("\"{}\"", cell.replace('"', "\"\"")),
@@ -36,7 +36,7 @@ impl Tidy {
         }
     }
 
-    /// Numbers to the right, words to the left.
+    /// Numbers are aligned right, words left.
     pub fn markdown(&self) -> String {
         let numeric = |i: usize| {
             let mut cells = self.rows.iter().map(|r| r[i].as_str());
@@ -68,13 +68,13 @@ pub fn exact(value: f64) -> String {
     }
 }
 
-/// Three significant digits, for figures that are no better than that.
+/// Three significant digits, for figures of no higher precision.
 pub fn rough(value: f64) -> String {
     let parsed: f64 = format!("{value:.2e}").parse().unwrap_or(value);
     exact(parsed)
 }
 
-/// A relative error: per cent where it can be seen, a power of ten below.
+/// A relative error: in per cent if large, as a power of ten if small.
 pub fn error(value: f64) -> String {
     match value {
         v if !v.is_finite() => "∞".to_string(),
@@ -92,7 +92,7 @@ pub fn median(values: &[f64]) -> f64 {
     quantile(values, 0.5)
 }
 
-/// By linear interpolation between order statistics; NaN of nothing.
+/// Linear interpolation between order statistics; NaN if there are no values.
 pub fn quantile(values: &[f64], share: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! Many independent tasks on every core, in the order they were given, with a line of progress.
+//! Runs many independent tasks on all cores, with a progress line.
 
 use std::io::{IsTerminal, Write, stderr};
 use std::sync::Mutex;
@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::Fault;
 
-/// `task` of every item; the first fault ends it. Answers stand in the order of the items, whoever computed them.
+/// Applies `task` to every item; the first error ends the work. Answers are in the order of the items.
 pub fn all<T: Sync, R: Send>(
     name: &str,
     items: &[T],
@@ -46,7 +46,7 @@ fn show(name: &str, done: usize, of: usize) {
     }
 }
 
-/// Every pair, the first varying slowest.
+/// Every pair; the first element varies slowest.
 pub fn pairs<A: Clone, B: Clone>(first: &[A], second: &[B]) -> Vec<(A, B)> {
     let with = |a: &A| {
         second

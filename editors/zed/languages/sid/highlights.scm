@@ -1,4 +1,4 @@
-; Colours of the words of a model, as the compiler gives them (tests/it/editor).
+; Highlights the words of a model with the compiler's token types (compared in tests/it/editor).
 
 ["sidc" "system" "state" "input" "output" "param" "unknown" "let" "data" "constrain" "coef" "symmetry" "limit" "prefer" "include"] @keyword
 ["in" "per" "run" "step" "none" "cyclic"] @attribute

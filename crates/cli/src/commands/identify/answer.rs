@@ -1,4 +1,4 @@
-//! What `identify` prints and writes: equations with evidence, rows, signals; the same as a document.
+//! What `identify` prints and writes: equations with evidence, rows, signals; or the same as a document.
 
 use super::arguments::Args;
 use super::next_step;
@@ -11,24 +11,24 @@ use sidc_emit as emit;
 use sidc_system::result;
 use sidc_system::result::{CandidateEntry, Settings};
 
-/// The answer, and how it came about.
+/// The answer, and how it was found.
 pub struct Answer<'a> {
     pub args: &'a Args,
     pub search: &'a Search,
     pub candidate: &'a Candidate,
     pub found: &'a Identified,
-    /// All candidates, if there are several.
+    /// All candidates, if there is more than one.
     pub others: &'a [CandidateEntry],
 }
 
 impl Answer<'_> {
-    /// Writes and prints the answer; the exit status.
+    /// Writes and prints the answer. Returns the exit status.
     ///
     /// # Errors
-    /// A file that cannot be written; the answer is printed all the same.
+    /// A file that cannot be written; the answer is printed anyway.
     pub fn print(&self) -> Result<u8, Failure> {
         let document = self.document()?;
-        // The disk may be full: the failure is kept until the answer is printed.
+        // The disk may be full, so a failure is returned only after the answer is printed.
         let output = self.args.output.as_ref();
         let written = output.map(|path| files::write(path, &document));
         if self.args.json {
@@ -37,7 +37,7 @@ impl Answer<'_> {
             stdout::print_readable(&self.text())?;
         }
         written.transpose()?;
-        // Where errors of predictions were asked for, these decide; doubts are said all the same.
+        // If limits of prediction errors were given, they decide the exit status; doubts are printed in any case.
         let passes = || self.found.discovery.passes();
         Ok(
             match self.found.verdict.prediction.good.unwrap_or_else(passes) {
@@ -92,7 +92,7 @@ impl Answer<'_> {
         text
     }
 
-    /// What is behind the equations, and what follows from them.
+    /// What supports the equations, and what follows from them.
     fn evidence(&self) -> String {
         let d = &self.found.discovery;
         let runs = self.found.validation.as_ref();
@@ -115,7 +115,7 @@ impl Answer<'_> {
         } = self.candidate;
         let Search { data, options, .. } = self.search;
         let beside = result::Beside {
-            // The window as the user asked for it.
+            // The window as the user gave it.
             settings: Settings {
                 window: self.args.window,
                 ..pipeline::settings(source, program, measured, data, options)
@@ -130,7 +130,7 @@ impl Answer<'_> {
     }
 }
 
-/// The table of all candidates, by their error.
+/// The table of all candidates with their errors.
 fn comparison_table(entries: &[CandidateEntry], discrete: bool) -> String {
     let width = entries.iter().map(|e| e.model.chars().count()).max();
     let width = width.unwrap_or(0).max("model".len());

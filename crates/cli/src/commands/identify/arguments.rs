@@ -1,4 +1,4 @@
-//! The arguments of `sidc identify`, and what they ask of the library.
+//! The arguments of `sidc identify`, translated to options of the library.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -99,9 +99,9 @@ pub struct Args {
     pub verbosity: Verbosity,
 }
 
-/// An option that does nothing beside the others.
+/// An option that has no effect together with the others.
 struct WithoutEffect {
-    /// Whether that is so with the options given.
+    /// Whether the given options are such a case.
     holds: bool,
     option: &'static str,
     why: &'static str,
@@ -109,10 +109,10 @@ struct WithoutEffect {
 }
 
 impl Args {
-    /// Refuses options that would have no effect beside the others.
+    /// Rejects options that would have no effect together with the others.
     ///
     /// # Errors
-    /// All of them.
+    /// All of them at once.
     pub fn check_effects(&self, models: usize) -> Result<(), Failure> {
         let (drawn, joint) = (self.samples.is_some(), self.method == Method::Joint);
         let trajectory = "equations and trajectory are estimated together from all readings";
@@ -160,7 +160,7 @@ impl Args {
         failed.or(())
     }
 
-    /// Data files in the order in which they are read: those given, then those that are only held out.
+    /// Data files in reading order: those given, then those that are only held out.
     pub fn data_paths(&self, data: &[PathBuf]) -> Vec<PathBuf> {
         let mut paths = data.to_vec();
         for path in self.holdout.iter().filter_map(HeldOut::file) {
@@ -171,8 +171,7 @@ impl Args {
         paths
     }
 
-    /// How to look for equations in the files at `paths`. Of several models a part of every record is held out, so that they can
-    /// be compared.
+    /// The options for a search in the files at `paths`. With several models a part of every record is held out to compare them.
     ///
     /// # Errors
     /// None for values that were parsed.

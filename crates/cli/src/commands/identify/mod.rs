@@ -1,6 +1,6 @@
 //! `sidc identify MODEL DATA…`: the equations of a model, found in data.
 //!
-//! `arguments` → `search` (each model with its rows and equations) → `model_comparison` where there are several → `answer`.
+//! `arguments` → `search` (each model with its rows and equations) → `model_comparison`, if there are several models → `answer`.
 
 mod answer;
 mod arguments;

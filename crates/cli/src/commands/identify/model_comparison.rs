@@ -1,6 +1,6 @@
-//! Several models for the same data: each is identified and run on what was held out.
+//! Compares several models for the same data: each is identified and run on the held-out data.
 //!
-//! In: candidates. Out: the best with its equations, and a table entry for each that was tried.
+//! In: candidates. Out: the best one with its equations, and a table entry for each one tried.
 
 use super::search::{Candidate, Identified, Search};
 use crate::failure::Failure;
@@ -13,8 +13,8 @@ use sidc_system::validate;
 use sidc_system::validate::thresholds::RANKING;
 use sidc_system::validate::{Merit, rank};
 
-/// Identifies all candidates, or all up to the first whose error is at most `until`, and chooses the best. Where no candidate
-/// follows the records held out, these are cut into halves, quarters, … until one does.
+/// Identifies all candidates, or those up to the first with an error of at most `until`, and chooses the best. If no candidate follows the held-out records,
+/// these are cut into halves, quarters and so on until one does.
 ///
 /// # Errors
 /// As for one candidate.
@@ -66,7 +66,7 @@ pub fn best<'a>(
     Ok((candidate, found, entries))
 }
 
-/// Merits by runs that start anew on each of `parts` parts of a record.
+/// Merits from runs that restart on each of `parts` parts of a record.
 fn restarted(
     all: &[Candidate],
     tried: &[Identified],
@@ -85,7 +85,7 @@ fn restarted(
     all.iter().zip(tried).map(one).collect()
 }
 
-/// Seconds (samples in discrete time) of the longest part of a record held out.
+/// Duration of the longest part of a held-out record, in seconds (samples in discrete time).
 fn longest(candidate: &Candidate, parts: usize) -> f64 {
     let records = candidate.measured.held.trajectories.iter();
     let spans = records.filter_map(|t| Some(t.time.last()? - t.time.first()?));
@@ -97,7 +97,7 @@ fn rows(candidate: &Candidate, parts: usize) -> usize {
     records.map(|t| t.len() / parts).max().unwrap_or(0)
 }
 
-/// States that every candidate has equations for: candidates are compared by these.
+/// States for which every candidate has equations; candidates are compared on these.
 fn shared_states(all: &[Candidate]) -> Vec<String> {
     let states = |c: &Candidate| -> Vec<String> {
         let model = &c.program.model;

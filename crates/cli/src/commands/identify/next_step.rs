@@ -1,7 +1,7 @@
 //! What to try next: a command, or a line of the model.
 //!
-//! In: what was found, the command that was given. Out: a line, broken where it is long. The first remedy with a change at hand comes first; an answer that passes
-//! is tried on data not used, kept, then reported.
+//! In: what was found, the command that was given. Out: a line, wrapped if it is long. If there are doubts, it is the first remedy with a concrete change. An
+//! answer that passes is first tested on held-out data, then saved, then reported.
 
 use super::arguments::Args;
 use crate::outputs::paths::quoted;
@@ -13,14 +13,14 @@ use sidc_system::predict::Prediction;
 use sidc_system::ranked_reasons::{RankedReason, change, ranked};
 use sidc_system::result::FileEntry;
 
-/// Room behind `next: `, a backslash left free.
+/// Room after `next: `, minus that for a backslash.
 const WIDTH: usize = TEXT_WIDTH - "next:  \\".len();
-/// The part of a record that is proposed to be held out.
+/// The part of a record that is proposed for holding out.
 const HELD_OUT: &str = "--holdout=25%";
-/// Where the result is proposed to be kept.
+/// The file that is proposed for the result.
 const RESULT: &str = "result.json";
 
-/// `next: sidc identify model.sid data.csv --robust`. `held_out` says whether some data were not used.
+/// For example `next: sidc identify model.sid data.csv --robust`. `held_out` says whether some data were not used.
 pub fn line(
     args: &Args,
     source: &ModelSource,
@@ -28,7 +28,7 @@ pub fn line(
     held_out: bool,
 ) -> String {
     let reasons = ranked(discovery);
-    // On data that it was fitted to a linear model has no merit of its own.
+    // On data that it was fitted to, a linear model proves nothing.
     let simpler = rival(discovery, prediction).filter(|_| held_out);
     let step = match (reasons.first(), simpler) {
         (None, Some(rival)) => words(&instead(discovery, rival)),
@@ -49,7 +49,7 @@ pub fn line(
     format!("next: {step}\n")
 }
 
-/// The lines of the model that answer all reasons of one code, and what they take the place of. Entries of the data block stand in one block.
+/// The lines of the model that remedy all reasons with one code, and what they replace. Entries of the data block are joined in one block.
 fn statements(
     model: &str,
     discovery: &Discovery,
@@ -60,7 +60,7 @@ fn statements(
     let mut lines: Vec<&String> = Vec::new();
     for change in of_code.filter_map(|r| change(r.reason)) {
         if let Change::Model(more) = change {
-            // A statement takes one change at a time.
+            // Only one change of each statement is proposed.
             let fresh = |l: &&String| lines.iter().all(|k| subject(k) != subject(l));
             let more: Vec<&String> = more.iter().filter(fresh).collect();
             lines.extend(more);
@@ -69,7 +69,7 @@ fn statements(
     let entries: Vec<&str> = lines.iter().filter_map(|l| entry(l)).collect();
     let others = lines.iter().filter(|l| entry(l).is_none());
     let block = (!entries.is_empty()).then(|| format!("data {{ {} }}", entries.join("; ")));
-    // A statement goes on behind an operator or a comma.
+    // Statements are wrapped after an operator or a comma.
     let each = others.map(|l| words(l)).chain(block);
     let each: Vec<String> = each.collect();
     let replaced: Vec<String> = lines.iter().flat_map(|l| replaced(discovery, l)).collect();
@@ -80,7 +80,7 @@ fn statements(
     format!("add to {model}{place}:\n    {}", each.join("\n    "))
 }
 
-/// What of the model a line takes the place of: the equations of its targets, the declaration of a variable.
+/// What a line of the model replaces: the equations of its targets, or the declaration of a variable.
 fn replaced(d: &Discovery, line: &str) -> Vec<String> {
     let declared = ["state ", "input ", "output ", "param "];
     if let Some(rest) = declared.iter().find_map(|word| line.strip_prefix(word)) {
@@ -99,12 +99,12 @@ fn replaced(d: &Discovery, line: &str) -> Vec<String> {
     known.map(|t| format!("the equation of {t}")).collect()
 }
 
-/// What an equation is of, or a declaration.
+/// The target of an equation, or the text of a declaration up to `=`.
 fn subject(line: &str) -> &str {
     line.split(['~', '=']).next().unwrap_or(line)
 }
 
-/// `dx = none` of `data { dx = none }`.
+/// For example `dx = none` from `data { dx = none }`.
 fn entry(line: &str) -> Option<&str> {
     line.strip_prefix("data { ")?.strip_suffix(" }")
 }
@@ -113,12 +113,12 @@ fn words(text: &str) -> String {
     wrapped(text, WIDTH, "", "        ").join("\n")
 }
 
-/// A command goes on behind a backslash.
+/// Wraps a command with backslashes.
 fn command(text: &str) -> String {
     wrapped(text, WIDTH, "", "    ").join(" \\\n")
 }
 
-/// After an answer without reasons against it.
+/// The next step after an answer without doubts.
 fn afterwards(args: &Args, files: &[FileEntry], held_out: bool) -> String {
     match &args.output {
         _ if !held_out => again(HELD_OUT),
@@ -137,7 +137,7 @@ fn afterwards(args: &Args, files: &[FileEntry], held_out: bool) -> String {
     }
 }
 
-/// The command that was given, with further options in place of its own.
+/// The command that was given, with `options` in place of its own.
 fn again(options: &str) -> String {
     let given: Vec<String> = std::env::args().skip(1).collect();
     let name = options.split([' ', '=']).next().unwrap_or(options);

@@ -1,7 +1,6 @@
-//! Models on their way to equations: compiled, measured, identified.
+//! From models to equations: compiles, measures, identifies.
 //!
-//! In: models, and what they share: data, options, monitor. Out: equations with evidence, run on what was held out. Compares and
-//! prints no result.
+//! In: models, and the data, options and monitor that they share. Out: equations with evidence, run on the held-out data. Compares and prints no results.
 
 use std::path::PathBuf;
 
@@ -29,19 +28,19 @@ pub struct CompiledModel {
     warnings: Vec<Notice>,
 }
 
-/// A model on its data.
+/// A model with its data.
 pub struct Candidate {
     pub source: ModelSource,
     pub program: Program,
     pub measured: Measured,
-    /// Warnings that travel with the result.
+    /// Warnings that are kept with the result.
     pub warnings: Vec<Notice>,
 }
 
 /// The equations of a candidate.
 pub struct Identified {
     pub discovery: Discovery,
-    /// How they run on what was held out; `None` if nothing was.
+    /// Free runs on the held-out data; `None` if nothing was held out.
     pub validation: Option<Validation>,
     pub verdict: Verdict,
 }
@@ -50,7 +49,7 @@ pub struct Identified {
 pub struct Search {
     pub data: Data,
     pub options: Options,
-    /// Whether equations are checked once more.
+    /// Whether equations are verified.
     pub verify: bool,
     pub sources: Sources,
     pub monitor: Monitor,
@@ -59,7 +58,7 @@ pub struct Search {
 /// Compiles every model.
 ///
 /// # Errors
-/// The faults of all of them at once.
+/// The faults of all models at once.
 pub fn compile(
     args: &Args,
     (paths, options): (&[PathBuf], &Options),
@@ -94,7 +93,7 @@ pub fn compile(
     failed.or(models)
 }
 
-/// Refuses limits of errors for signals that no equation predicts.
+/// Rejects limits of errors for signals that no equation predicts.
 fn quantities_asked(program: &Program, options: &Options) -> Result<(), Failure> {
     pipeline::check_limits(program, options).map_err(|(name, known)| {
         let hint = hint(&name, known.iter().map(String::as_str));
@@ -106,7 +105,7 @@ fn quantities_asked(program: &Program, options: &Options) -> Result<(), Failure>
 }
 
 impl Search {
-    /// The signals of a model on common rows.
+    /// Reads the signals of a model on common rows.
     ///
     /// # Errors
     /// What the data lack.
@@ -122,7 +121,7 @@ impl Search {
             pipeline::measure(&program, data, options, sources, &mut observer);
         drop(observer);
         if method == Method::Weak {
-            // The weak form uses no estimated derivatives, so what is wrong with them does not matter.
+            // The weak form uses no estimated derivatives, so warnings about them do not apply.
             let of_derivatives = ["noisy-derivative", "input-changes-often"];
             found.retain(|d| !of_derivatives.contains(&d.code));
         }
@@ -137,7 +136,7 @@ impl Search {
         })
     }
 
-    /// The equations of a candidate, run on what was held out.
+    /// Finds the equations of a candidate and runs them on the held-out data.
     ///
     /// # Errors
     /// Terms without a value on the data, constraints that the data contradict.
@@ -175,7 +174,7 @@ impl Search {
     }
 }
 
-/// Says how long a verification takes, if that is long enough to wonder.
+/// Announces how long a verification will take if it is long.
 fn announce(products: u128) {
     if products > PROGRESS.announced_products {
         let seconds = products as f64 / PROGRESS.products_per_second;

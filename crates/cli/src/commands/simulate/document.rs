@@ -32,7 +32,7 @@ struct LegEntry {
     from: Option<f64>,
     to: Option<f64>,
     rows: usize,
-    /// Rows that the start was fitted to, and that are not scored.
+    /// Rows that the start was fitted to; they are not scored.
     settled: usize,
     start: Vec<StartEntry>,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -1,4 +1,4 @@
-//! `sidc simulate RESULT DATA…`: the equations run freely along records, and how well they follow.
+//! `sidc simulate RESULT DATA…`: free runs along records, and how well they follow them.
 
 use std::path::PathBuf;
 
@@ -110,7 +110,7 @@ fn runs(source: &Source, options: &Options, monitor: &Monitor) -> Result<Vec<Run
     let line = monitor.progress_line();
     let mut runs = Vec::new();
     for (trajectory, record) in source.dataset.trajectories.iter().enumerate() {
-        // The first run is begun in any case, so that there is something to print.
+        // The first record is always run, so that there is something to print.
         if trajectory > 0 && monitor.must_stop() {
             break;
         }

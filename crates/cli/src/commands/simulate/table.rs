@@ -1,12 +1,12 @@
-//! Free runs as a table in CSV.
+//! Free runs as a CSV table.
 
 use crate::outputs::csv::{number, quoted};
 use sidc_lang::term::{Signal, SignalNames};
 use sidc_system::discovery::Discovery;
 use sidc_system::simulate::Run;
 
-/// The simulated signals as CSV: `t`, simulated, inputs as applied, measurements with `_measured` behind their names; `run`
-/// before them if there are several.
+/// The columns are `t`, the simulated signals, the inputs as applied, and the measurements with the suffix `_measured`; before them `run`, if there is more
+/// than one.
 pub fn csv(d: &Discovery, runs: &[Run]) -> String {
     let several = runs.len() > 1;
     let mut text = String::from(if several { "run,t" } else { "t" });
@@ -48,7 +48,7 @@ pub fn csv(d: &Discovery, runs: &[Run]) -> String {
     text
 }
 
-/// What any run has a column of.
+/// The signals that any of the runs has.
 #[derive(Default)]
 struct Columns {
     simulated: Vec<Signal>,

@@ -1,4 +1,4 @@
-//! Free runs as text for people.
+//! Free runs as readable text.
 
 use crate::thresholds::LISTS;
 use sidc_emit as emit;
@@ -7,7 +7,7 @@ use sidc_lang::term::SignalNames;
 use sidc_system::discovery::Discovery;
 use sidc_system::simulate::{Fault, Leg, Options, Origin, Run, Score, Start};
 
-/// For each run its starts, its end, its scores.
+/// The start, the end and the scores of each run.
 pub fn describe(d: &Discovery, runs: &[Run], options: &Options) -> String {
     let mut out = String::new();
     for (i, run) in runs.iter().enumerate() {
@@ -148,7 +148,7 @@ fn follows(d: &Discovery, s: &Score) -> String {
     }
 }
 
-/// A figure with so many decimals; far off ones in powers of ten.
+/// A number with this many decimals, or in scientific notation if it is very large.
 fn decimal(x: f64, decimals: usize) -> String {
     match x {
         _ if x.is_nan() => "–".into(),
@@ -159,7 +159,7 @@ fn decimal(x: f64, decimals: usize) -> String {
     }
 }
 
-/// Columns side by side, four spaces before, two between.
+/// Aligned columns, indented by four spaces and separated by two.
 fn aligned<const N: usize>(rows: &[[String; N]], right: &[bool; N]) -> String {
     let width = |c: usize| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0);
     let widths: [usize; N] = std::array::from_fn(width);

@@ -1,4 +1,4 @@
-//! `sidc smooth MODEL DATA…`: the measured signals without their noise, their derivatives, and the noise.
+//! `sidc smooth MODEL DATA…`: the measured signals with their noise removed, their derivatives, and the noise.
 
 use std::path::PathBuf;
 
@@ -86,7 +86,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
             args.window.unwrap_or_default(),
         ));
     }
-    // The curve bridges missing values, and the note on its signal counts them.
+    // The curve bridges missing values, and the note on its signal already counts them.
     found.retain(|d| d.code != "missing-values");
     let complete = !found.iter().any(Diagnostic::is_error);
     diagnostics::report((complete.then_some(()), found), &sources, monitor.notes)?;
@@ -115,7 +115,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     Ok(exit_status::PASS)
 }
 
-/// What is measured, in order of the columns.
+/// The measured signals, in the order of the columns.
 fn signals(model: &Model, trajectory: &Trajectory) -> Vec<Signal> {
     let known = |s: &Signal| model.var(s.var).is_some_and(|v| v.kind != VarKind::Time);
     let all = trajectory.columns.iter().map(|(s, _)| *s);
@@ -207,7 +207,7 @@ fn findings(s: &Smoothed, values: &[f64], time: &[f64], declared: Option<f64>) -
     text
 }
 
-/// Standard deviation; the smallest number if there is none.
+/// Standard deviation, or the smallest positive number if it is zero.
 fn spread(values: &[f64]) -> f64 {
     let n = values.len().max(1) as f64;
     let mean = values.iter().sum::<f64>() / n;

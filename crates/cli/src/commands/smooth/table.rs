@@ -1,4 +1,4 @@
-//! Smoothed signals as a table in CSV.
+//! Smoothed signals as a CSV table.
 
 use crate::outputs::csv::{number, quoted};
 use sidc_data::{Dataset, Smoothed, Trajectory};
@@ -6,13 +6,13 @@ use sidc_lang::model::{Model, VarKind};
 use sidc_lang::number::significant;
 use sidc_lang::term::{Signal, SignalNames};
 
-/// A measured signal of one trajectory; `None` where there is nothing to smooth: inputs, parameters, very short records.
+/// A measured signal of one trajectory; `None` if it is not smoothed: inputs, parameters, very short records.
 pub struct Curve {
     pub signal: Signal,
     pub smoothed: Option<Smoothed>,
 }
 
-/// The curves as CSV: `t`, then every signal with its standard error, absent derivatives after the signal they are of.
+/// The columns are `t`, then every signal with its standard error, followed by its derivatives that were not measured.
 pub fn csv(model: &Model, dataset: &Dataset, curves: &[Vec<Curve>]) -> String {
     let mut columns: Vec<Column> = Vec::new();
     for curve in curves.iter().flatten() {
@@ -61,7 +61,7 @@ pub fn csv(model: &Model, dataset: &Dataset, curves: &[Vec<Curve>]) -> String {
     text
 }
 
-/// One signal of the table: `from` is the measured one whose derivative it is, or itself.
+/// One signal of the table. `from` is the measured signal that it is, or is a derivative of.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct Column {
     signal: Signal,
@@ -69,7 +69,7 @@ struct Column {
     smooth: bool,
 }
 
-/// A signal and those of its next two derivatives that the model has and nobody measured.
+/// A signal and those of its next two derivatives that the model has and that were not measured.
 fn columns_of(model: &Model, from: Signal, curves: &[Vec<Curve>]) -> Vec<Column> {
     let Some(var) = model.var(from.var) else {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! A population whose members have to find each other: it grows above a threshold and dies out below. Seven counts with noise of 1 % of the count.
+//! A population with an Allee effect: it grows above a threshold and dies out below. Seven records of counts with noise of 1 %.
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::response::free;

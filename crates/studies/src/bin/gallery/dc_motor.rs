@@ -1,7 +1,7 @@
-//! A direct-current motor with viscous and Coulomb friction, as a test rig's logger writes it: milliseconds, degrees
-//! that wrap at 360, revolutions per minute, per cent of 24 V; semicolons.
+//! A direct-current motor with viscous and Coulomb friction, as logged on a test rig: milliseconds, degrees that wrap at 360, revolutions per minute, per
+//! cent of 24 V, semicolons.
 //!
-//! Between jumps of command and reversals the motion is known in closed form, so nothing is integrated.
+//! Between changes of the command and reversals the motion is known in closed form, so nothing is integrated.
 
 use sidc_testing::random::Random;
 use sidc_testing::table::Table;
@@ -25,7 +25,7 @@ pub fn tables() -> Vec<(&'static str, Table)> {
     vec![("dc_motor.csv", table)]
 }
 
-/// Levels of at least 15 %, so that the motor never sticks: sign(ω) has no meaning at rest.
+/// Levels of at least 15 %, so that the motor never stops: sign(ω) is undefined at rest.
 fn commands(rows: usize) -> Vec<f64> {
     Random::new(41)
         .square(rows, (15, 60), 85.0)

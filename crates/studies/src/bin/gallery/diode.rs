@@ -1,4 +1,4 @@
-//! A diode beside a capacitor of 1 µF, fed through 1 kΩ by a source that steps.
+//! A diode in parallel with a capacitor of 1 µF, fed through 1 kΩ by a source that steps.
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::response::held;

@@ -1,4 +1,4 @@
-//! A driven Duffing oscillator (two wells); the drive is a sum of sines, which the table samples.
+//! A driven Duffing oscillator (two wells). The drive is a sum of sines, sampled in the table.
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::response::free;

@@ -1,4 +1,4 @@
-//! A light ball thrown straight up, dropped, and thrown down; its height is filmed.
+//! A light ball thrown up, dropped, and thrown down; its height is filmed.
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::response::free;

@@ -1,4 +1,4 @@
-//! A pendulum lifted by a fan whose speed follows its voltage with a lag and is not measured. Noise of 2 mrad.
+//! A pendulum lifted by a fan. The fan's speed follows its voltage with a lag and is not measured. Noise of 2 mrad.
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::response::held;

@@ -1,4 +1,4 @@
-//! FitzHugh's and Nagumo's nerve under a stepwise stimulus, with measurement noise.
+//! The FitzHugh–Nagumo model of a nerve under a stepwise stimulus, with measurement noise.
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::response::held;

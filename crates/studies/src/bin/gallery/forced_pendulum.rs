@@ -1,4 +1,4 @@
-//! A pendulum shaken by an unmeasured torque of known frequency. The instrument adds a crude speed (backward difference).
+//! A pendulum driven by an unmeasured torque of known frequency. The instrument adds a crude speed (backward difference).
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::response::free;

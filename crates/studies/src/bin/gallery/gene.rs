@@ -1,5 +1,4 @@
-//! A gene that activates itself: a protein made at a rate that saturates with a power of its own concentration, diluted, and added in
-//! steps.
+//! A self-activating gene: the rate of its protein saturates with a power of the protein's own concentration. The protein is diluted, and added in steps.
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::response::held;

@@ -1,5 +1,4 @@
-//! Glycolysis of yeast (Ruoff, Christensen, Wolf, Heinrich 2003; the constants of Daniels and Nemenman 2015): seven concentrations from
-//! six starts.
+//! Glycolysis in yeast (Ruoff, Christensen, Wolf, Heinrich 2003; constants of Daniels and Nemenman 2015): seven concentrations from six starts.
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::response::free;

@@ -1,4 +1,4 @@
-//! A heated block: the heater's temperature rise, which nothing measures, stands between the command and the block. Noise of 0.05 K.
+//! A heated block. The heater between command and block has an unmeasured temperature. Noise of 0.05 K.
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::response::held;

@@ -1,4 +1,4 @@
-//! An enzyme with a competitive inhibitor that is itself broken down; six runs in one file.
+//! An enzyme with a competitive inhibitor that is itself degraded; six runs in one file.
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::response::free;

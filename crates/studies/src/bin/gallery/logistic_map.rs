@@ -4,7 +4,7 @@ use sidc_testing::table::Table;
 
 pub fn tables() -> Vec<(&'static str, Table)> {
     let mut table = Table::new(&["x"]);
-    // Iterates are written in full: each must be the image of the one before as it stands in the file.
+    // Iterates are written with all digits, so that each is the exact image of the one before in the file.
     table.digits = None;
     let mut x = 0.2;
     for _ in 0..200 {

@@ -1,4 +1,4 @@
-//! Lorenz' convection rolls: chaos in three states.
+//! The Lorenz system: chaos in three states.
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::response::free;

@@ -1,4 +1,4 @@
-//! Lorenz' ring of five places on a circle of latitude.
+//! The Lorenz 96 system with five sites on a circle.
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::response::free;

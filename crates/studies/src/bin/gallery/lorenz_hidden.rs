@@ -1,4 +1,4 @@
-//! Lorenz' convection rolls of which two states are measured, with noise of 1 % of their spread.
+//! The Lorenz system with two states measured, with noise of 1 % of their spread.
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::response::free;

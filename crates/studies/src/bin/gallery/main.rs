@@ -6,7 +6,7 @@
 //! cargo run --release -p sidc-studies --bin gallery -- --dir /tmp    # elsewhere
 //! ```
 //!
-//! The cart-pendulum's tables come from the example `plant`. A new system is one file and one line in SYSTEMS.
+//! The study `plant` writes the cart-pendulum's tables. A new system needs one file and one line in SYSTEMS.
 
 mod allee;
 mod brusselator;

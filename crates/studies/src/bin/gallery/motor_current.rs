@@ -1,4 +1,4 @@
-//! A motor whose current, which nothing measures, follows its voltage through the inductance of the winding. Noise of 0.5 rad/s.
+//! A motor with unmeasured current, which follows the voltage through the inductance of the winding. Noise of 0.5 rad/s.
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::response::held;

@@ -1,4 +1,4 @@
-//! A sampled process with a nonlinear, delayed response to a valve: y(k+1) from y and u now and one sample ago.
+//! A sampled process with a nonlinear, delayed response to a valve: y(k+1) depends on y and u now and one sample ago.
 
 use sidc_testing::random::{Random, decimals};
 use sidc_testing::table::Table;

@@ -1,4 +1,4 @@
-//! The same bob on four rods: L is constant in a run and differs between runs.
+//! The same bob on four rods: L is constant in each run and differs between runs.
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::response::free;
@@ -11,7 +11,7 @@ pub fn tables() -> Vec<(&'static str, Table)> {
         .into_iter()
         .enumerate()
     {
-        // Friction over the mass of the bob: 0.05 m²/s.
+        // Friction divided by the mass of the bob: 0.05 m²/s.
         let f = |_: f64, &[theta, speed]: &[f64; 2]| {
             [
                 speed,

@@ -1,4 +1,4 @@
-//! Prey and their predators, of which only the prey are counted. Noise of 0.03.
+//! Predators and prey with only the prey counted. Noise of 0.03.
 
 use sidc_testing::integrate::{grid, integrate};
 use sidc_testing::random::{Random, decimals};

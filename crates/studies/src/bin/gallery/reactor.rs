@@ -1,5 +1,4 @@
-//! A stirred tank with an exothermic reaction (Seborg, Edgar, Mellichamp, Doyle: Process Dynamics and Control), its jacket heated and
-//! cooled in steps.
+//! A stirred tank with an exothermic reaction (Seborg, Edgar, Mellichamp, Doyle: Process Dynamics and Control). Its jacket is heated and cooled in steps.
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::response::held;
@@ -8,7 +7,7 @@ use sidc_testing::table::Table;
 
 pub fn tables() -> Vec<(&'static str, Table)> {
     let f = |&[c, temperature]: &[f64; 2], jacket: f64| {
-        // 8,750 K is the energy of activation over the gas constant; at 350 K the reaction takes 1 min.
+        // 8,750 K is the activation energy divided by the gas constant; at 350 K the reaction takes 1 min.
         let reaction = (8750.0 * (1.0 / 350.0 - 1.0 / temperature)).exp() * c;
         [
             1.0 - c - reaction,

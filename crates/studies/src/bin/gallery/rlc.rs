@@ -5,7 +5,7 @@ use sidc_testing::plants::response::held;
 use sidc_testing::random::Random;
 use sidc_testing::table::Table;
 
-/// Ohm, henry, farad.
+/// In ohm, henry and farad.
 const R: f64 = 2.0;
 const L: f64 = 0.01;
 const C: f64 = 470e-6;

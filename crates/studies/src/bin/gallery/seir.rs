@@ -1,4 +1,4 @@
-//! An epidemic of which only the infectious are counted, as a share of all. Noise of 0.0003.
+//! An epidemic with only the infectious counted, as a share of the population. Noise of 0.0003.
 
 use sidc_testing::integrate::{grid, integrate};
 use sidc_testing::random::{Random, decimals};

@@ -1,4 +1,4 @@
-//! A slide that is pushed one way over a lubricated guide: its friction falls with the speed before it rises. Speed with noise of 1 %.
+//! A slide pushed in one direction over a lubricated guide: its friction falls with speed before it rises. Speed with noise of 1 %.
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::response::held;

@@ -1,4 +1,4 @@
-//! Two tanks in cascade. The upper one, whose level nothing measures, overflows at 9; two fifths of that fall into the lower one. Noise of 0.02.
+//! Two tanks in cascade. The upper one, with unmeasured level, overflows at 9, and two fifths of the overflow run into the lower one. Noise of 0.02.
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::response::held;

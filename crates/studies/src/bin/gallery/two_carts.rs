@@ -1,4 +1,4 @@
-//! Two carts joined by a spring and a damper, with an accelerometer on each; that of the first is a poor one.
+//! Two carts joined by a spring and a damper, each with an accelerometer; the first accelerometer is noisy.
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::response::held;

@@ -1,4 +1,4 @@
-//! Two carts joined by a hardening spring and a damper; the first is tied to the wall and pushed.
+//! Two carts joined by a hardening spring and a damper. The first is tied to the wall and pushed.
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::response::held;

@@ -1,4 +1,4 @@
-//! Van der Pol's valve oscillator, started inside and outside its limit cycle; only the position is recorded.
+//! The van der Pol oscillator, started inside and outside its limit cycle; only the position is recorded.
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::response::free;

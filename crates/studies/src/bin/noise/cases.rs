@@ -1,7 +1,6 @@
 //! The rigs of the study: for each a model text, its true equations, and motions drawn from seeds.
 //!
-//! In: a case's name, a length of time, a seed. Out: tables of what perfect sensors would read. Adds no noise and
-//! reads nothing: sensors.rs spoils the tables, run.rs judges what is found in them.
+//! In: a case's name, a duration, a seed. Out: tables of perfect readings. Adds no noise: sensors.rs disturbs the tables, run.rs judges the equations found.
 
 use sidc_testing::integrate::{grid, integrate};
 use sidc_testing::plants::cart_pendulum::{Plant, State};
@@ -12,7 +11,7 @@ use sidc_testing::table::Table;
 
 pub use sidc_testing::plants::cart_pendulum::Law;
 
-/// What one level of noise means for a column.
+/// The meaning of a noise level for a column.
 #[derive(Clone, Copy, Debug)]
 pub enum Scale {
     /// Level 0.01 is 0.01 times this, in the column's unit.
@@ -45,12 +44,12 @@ const fn angle(column: &'static str) -> Sensor {
     }
 }
 
-/// One trajectory to be drawn.
+/// One trajectory to draw.
 pub struct Draw {
     pub rows: usize,
     /// Samples per second.
     pub rate: f64,
-    /// Which of the case's trajectories, from 0.
+    /// Index of the trajectory in the case.
     pub file: usize,
     pub seed: u64,
     /// What drives a cart.
@@ -76,16 +75,16 @@ pub struct Case {
     pub name: &'static str,
     pub about: &'static str,
     pub model: &'static str,
-    /// Length and rate of one trajectory, and how many there are, unless the command line says otherwise.
+    /// Defaults for the duration and rate of a trajectory and the number of trajectories.
     pub seconds: f64,
     pub rate: f64,
     pub files: usize,
     pub sensors: &'static [Sensor],
-    /// Columns that are commands: known without noise.
+    /// Columns of commands, which are known without noise.
     pub inputs: &'static [&'static str],
-    /// Terms whose coefficients are reported apart, being small.
+    /// Terms with small coefficients, whose errors are reported separately.
     pub friction: &'static [&'static str],
-    /// In the spelling that sidc prints.
+    /// Spelled as sidc prints them.
     pub truth: fn() -> Vec<Law>,
     pub motion: fn(&Draw) -> Table,
 }
@@ -265,7 +264,7 @@ fn table(names: &[&'static str]) -> Table {
     table
 }
 
-/// Columns `t`, then those of `pick` for each state.
+/// A table of `t` and the columns that `pick` takes from each state.
 fn tabulate<const N: usize, const K: usize>(
     names: &[&'static str],
     times: &[f64],
@@ -283,7 +282,7 @@ fn tabulate<const N: usize, const K: usize>(
     table
 }
 
-/// The experiment starts near upright, the open-loop forces start anywhere.
+/// The experiment starts near upright; with open-loop forces the start is arbitrary.
 fn cart_pendulum(draw: &Draw) -> Table {
     let plant = Plant::default();
     let mut random = draw.random();
@@ -307,7 +306,7 @@ fn cart_pendulum(draw: &Draw) -> Table {
     table
 }
 
-/// Inflow, fastest rate, concentration of half that rate.
+/// Inflow, maximum rate, concentration at half that rate.
 const REACTION: (f64, f64, f64) = (0.6, 1.5, 0.3);
 
 fn michaelis_menten(draw: &Draw) -> Table {
@@ -390,7 +389,7 @@ fn lorenz(draw: &Draw) -> Table {
         |_: f64, &[x, y, z]: &[f64; 3]| [10.0 * (y - x), x * (28.0 - z) - y, x * y - 8.0 / 3.0 * z];
     let mut random = draw.random();
     let far = [random.uniform(-8.0, 8.0), random.uniform(-8.0, 8.0), 25.0];
-    // Three seconds bring the state to the attractor.
+    // After three seconds the state is on the attractor.
     let arrival = free(&f, &grid(301, 0.01), far);
     let x0 = arrival.last().copied().unwrap_or(far);
     let times = draw.times();

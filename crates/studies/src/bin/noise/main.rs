@@ -1,4 +1,4 @@
-//! Identification from noisy positions: simulated rigs, sensors with noise and defects, and what `sidc identify` makes of them.
+//! Identification from noisy positions: simulated rigs, sensors with noise and defects, and the results of `sidc identify`.
 //!
 //! ```sh
 //! cargo build --release && cargo run --release -p sidc-studies --bin noise -- --case cart_pendulum --level 0 0.001 0.01 0.05 --seeds 10
@@ -6,7 +6,7 @@
 //! … -- --case cart_pendulum --level 0.01 --write /tmp/rig      # model, tables and truth.json, nothing is run
 //! ```
 //!
-//! One row for each level. "Exact" is the true support and nothing else; coefficient errors are those of exact equations.
+//! Prints one row per level. "Exact" means the true support and nothing else; coefficient errors are those of exact equations.
 
 mod cases;
 mod plot;
@@ -91,7 +91,7 @@ fn main() -> ExitCode {
     match go(&Args::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(e) => {
-            // As the program under study wrote it, lines and all.
+            // Printed as the program under study wrote it, with its line breaks.
             eprintln!("{e}");
             ExitCode::FAILURE
         }
@@ -138,7 +138,7 @@ fn program(args: &Args) -> Result<Program, Box<dyn Error>> {
     let binary = match (&args.sidc, std::env::var_os("SIDC")) {
         (Some(path), _) => path.clone(),
         (None, Some(path)) => path.into(),
-        // Beside this program.
+        // The binary in the folder of this one.
         (None, None) => {
             let name = format!("sidc{}", std::env::consts::EXE_SUFFIX);
             std::env::current_exe()?.with_file_name(name)
@@ -249,7 +249,7 @@ fn title(case: &Case, record: &Record, counts: &[usize], defects: &str) -> Strin
     text
 }
 
-/// One run, on stderr.
+/// Prints one run on stderr.
 fn show(outcome: &Outcome) {
     let exit = outcome.exit.map_or("killed".into(), |e| e.to_string());
     eprintln!(

@@ -1,6 +1,6 @@
 //! Two curves against the noise level as an SVG: the share of exact runs, and the worst coefficient of exact equations.
 //!
-//! In: figures. Out: the picture's text, in the style of the recovery example. Writes nothing.
+//! In: figures. Out: the text of the picture, in the style of the recovery study. Writes nothing.
 
 use std::fmt::Write;
 
@@ -11,7 +11,7 @@ pub struct Point {
     pub level: f64,
     pub exact: usize,
     pub runs: usize,
-    /// Relative; `None` where nothing was exact.
+    /// Relative error; `None` if nothing was exact.
     pub worst: Option<f64>,
 }
 
@@ -23,7 +23,7 @@ const RIGHT: f64 = 610.0;
 const SHARES: (f64, f64) = (56.0, 270.0);
 const ERRORS: (f64, f64) = (310.0, 490.0);
 
-/// Levels stand side by side in equal steps, since 0 has no place on a logarithmic axis.
+/// Levels are spaced equally, since 0 has no place on a logarithmic axis.
 pub fn svg(title: &str, points: &[Point]) -> String {
     let step = (RIGHT - LEFT - 60.0) / (points.len().max(2) - 1) as f64;
     let x = |i: usize| LEFT + 30.0 + step * i as f64;
@@ -125,7 +125,7 @@ fn axis_name(out: &mut String, (top, bottom): (f64, f64), name: &str) {
     );
 }
 
-/// Short, and without the dust of binary fractions.
+/// Short, without the rounding errors of binary fractions.
 fn trimmed(x: f64) -> String {
     if x == 0.0 || x.abs() >= 1e-3 {
         format!("{}", (x * 1e6).round() / 1e6)

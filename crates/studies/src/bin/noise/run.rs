@@ -1,7 +1,7 @@
-//! One run: a record is written, `sidc identify --json` reads it, and what it found is held against the truth.
+//! One run: a record is written, `sidc identify --json` reads it, and the result is compared with the truth.
 //!
-//! In: a case, a record, the binary with its options. Out: an [`Outcome`] of numbers and names. Tests the program as a
-//! user starts it, and knows nothing of its inside but the result document.
+//! In: a case, a record, the binary with its options. Out: an [`Outcome`] of numbers and names. Runs the program as a user would, and knows only its result
+//! document.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -15,41 +15,41 @@ use sidc_testing::program::codes_in;
 use super::cases::{Case, Law};
 use super::sensors::Record;
 
-/// The program under study and what it is started with.
+/// The program under study and its options.
 pub struct Program {
     pub binary: PathBuf,
     pub options: Vec<String>,
-    /// Whether it is told the noise of the sensors.
+    /// Whether it is given the noise of the sensors.
     pub told: bool,
 }
 
-/// What one run gave.
+/// The result of one run.
 pub struct Outcome {
     pub level: f64,
     pub seed: u64,
     /// Exit status; `None` if a signal ended it.
     pub exit: Option<i32>,
     pub seconds: f64,
-    /// One for each true law, in its order.
+    /// One per true law, in the same order.
     pub laws: Vec<Judged>,
-    /// Codes of warnings and errors that belong to no equation.
+    /// Codes of warnings and errors without an equation.
     pub said: Vec<String>,
 }
 
-/// One equation against its law.
+/// One equation compared with its law.
 pub struct Judged {
     pub target: String,
     /// `pass`, `doubt`, `known`, or `failed`.
     pub status: String,
     pub codes: Vec<String>,
-    /// The support is the true one.
+    /// Whether the support is the true one.
     pub exact: bool,
     pub missing: Vec<String>,
-    /// Terms that were found and are none.
+    /// Terms found that are not in the law.
     pub wrong: Vec<String>,
-    /// Largest relative error of a coefficient, friction apart; `None` unless exact.
+    /// Largest relative error of a coefficient, except friction; `None` unless exact.
     pub error: Option<f64>,
-    /// The same of the friction terms.
+    /// Largest relative error of a friction coefficient.
     pub friction: Option<f64>,
     /// The equation as found.
     pub text: String,
@@ -61,7 +61,7 @@ impl Outcome {
     }
 }
 
-/// Writes model and tables into `folder`; returns their paths, the model's first.
+/// Writes model and tables into `folder`. Returns their paths, the model first.
 pub fn write(
     folder: &Path,
     case: &Case,
@@ -78,10 +78,10 @@ pub fn write(
     Ok(paths)
 }
 
-/// Runs the program on what [`write()`] wrote.
+/// Runs the program on the files of [`write()`].
 ///
 /// # Errors
-/// A program that does not start, or refuses its options (exit status 2). Every other end is an outcome.
+/// A program that does not start or rejects its options (exit status 2). Every other ending is an outcome.
 pub fn run(
     program: &Program,
     case: &Case,
@@ -103,7 +103,7 @@ pub fn run(
         .map_err(|e| format!("cannot start {}: {e}", program.binary.display()))?;
     let seconds = start.elapsed().as_secs_f64();
     let errors = String::from_utf8_lossy(&output.stderr);
-    // The program does not know an option: no run of the study would mean anything.
+    // If the program rejects an option, no run of the study would be meaningful.
     if output.status.code() == Some(2) {
         return Err(errors.trim_end().into());
     }
@@ -169,7 +169,7 @@ fn judge(case: &Case, (target, truth): &Law, document: Option<&Document>) -> Jud
     }
 }
 
-/// Largest relative errors of the coefficients of a true support: of friction terms, if `friction`, or of the others.
+/// Largest relative error of the coefficients of a true support, among the friction terms if `friction`, else among the others.
 fn worst(
     truth: &[(&'static str, f64)],
     found: &EquationEntry,
@@ -193,7 +193,7 @@ fn text(found: &EquationEntry) -> String {
     each.join(" ")
 }
 
-/// The number of terms of each library, and the true terms that it lacks: the study would be of something else.
+/// The number of terms of each library. An error if a true term is missing, since the study would then be about something else.
 pub fn check(program: &Program, model: &Path, laws: &[Law]) -> Result<Vec<usize>, Box<dyn Error>> {
     let output = Command::new(&program.binary)
         .args(["check", "--terms"])
@@ -218,7 +218,7 @@ pub fn check(program: &Program, model: &Path, laws: &[Law]) -> Result<Vec<usize>
     Ok(counts)
 }
 
-/// What is to be found, for [`write()`]'s folder.
+/// The truth, for the folder of [`write()`].
 pub fn truth(case: &Case, record: &Record, level: f64, seed: u64) -> serde_json::Value {
     let equations = (case.truth)().into_iter().map(|(target, terms)| {
         let terms = terms.into_iter().map(|(term, coefficient)| {

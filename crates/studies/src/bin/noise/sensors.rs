@@ -1,7 +1,7 @@
-//! What sensors make of a motion: noise, steps of an encoder, wrapped angles, lost samples, offsets, delays, outliers.
+//! Disturbs a motion as sensors do: noise, quantization, wrapped angles, missing samples, offsets, delays, outliers.
 //!
-//! In: clean tables of one case, all trajectories. Out: the tables as they would have been recorded, and the noise of
-//! each column. Never touches time; commands are disturbed by a delay alone.
+//! In: clean tables of one case, all trajectories. Out: the tables as recorded, and the noise of each column. Never changes time; commands are changed only
+//! by a delay.
 
 use std::f64::consts::TAU;
 use std::str::FromStr;
@@ -10,26 +10,26 @@ use super::cases::{Case, Scale, Sensor};
 use sidc_testing::random::Random;
 use sidc_testing::table::Table;
 
-/// What a defect does, in units of the column's scale where it has any.
+/// The kinds of defects; sizes are in units of the column's scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
-    /// Rounded to multiples of a step.
+    /// Rounding to multiples of a step.
     Quantise(f64),
     /// An angle modulo 2π.
     Wrap,
-    /// This share of the cells is empty.
+    /// Share of empty cells.
     Missing(f64),
-    /// A constant is added.
+    /// An added constant.
     Offset(f64),
-    /// A command acts so many samples after it was recorded; a negative one was recorded too late.
+    /// A command acts this many samples after it was recorded; if negative, it was recorded late.
     Delay(i64),
-    /// This share of the samples is off by so many standard deviations of the noise, to either side.
+    /// Share of the samples that are off by this many standard deviations of the noise, in either direction.
     Outliers(f64, f64),
-    /// The first file has 1/R times the noise, the last R times, the others in between.
+    /// The first file has 1/R times the noise, the last R times, the others values in between.
     Spread(f64),
 }
 
-/// A defect, of one column or of all that it applies to.
+/// A defect of one column, or of all to which it applies.
 #[derive(Clone, Debug)]
 pub struct Defect {
     kind: Kind,
@@ -87,16 +87,16 @@ impl Defect {
 /// A recorded experiment.
 pub struct Record {
     pub tables: Vec<Table>,
-    /// Standard deviation of the noise of each sensor, in the column's unit, before any spread over files.
+    /// Standard deviation of the noise of each sensor in the column's unit, before any `spread` over files.
     pub noise: Vec<(&'static str, f64)>,
     /// Standard deviation of each sensor's undisturbed column, in the same order.
     pub sizes: Vec<f64>,
 }
 
-/// Noise of an ideal table that outliers are measured by.
+/// Noise that sets the size of outliers in tables without noise.
 const IDEAL: f64 = 0.01;
 
-/// The record of `clean` at one noise level, with `defects`. The same seed gives the same draws at every level.
+/// The record of `clean` at one noise level, with `defects`. A seed gives the same draws at every level.
 pub fn record(case: &Case, clean: Vec<Table>, level: f64, defects: &[Defect], seed: u64) -> Record {
     let scales: Vec<f64> = case.sensors.iter().map(|s| scale(s, &clean)).collect();
     let sizes = case.sensors.iter().map(|s| deviation(&clean, s.column));
@@ -110,7 +110,7 @@ pub fn record(case: &Case, clean: Vec<Table>, level: f64, defects: &[Defect], se
             let Some(at) = table.names.iter().position(|n| *n == s.column) else {
                 continue;
             };
-            // Each column has its own stream, so that a defect of one leaves the others as they are.
+            // Each column has its own stream, so that a defect of one does not change the draws of others.
             let mut random = Random::new(0xA11CE + (seed * 64 + file as u64) * 64 + at as u64);
             let sigma = level * scale * spread(defects, s.column, file, files);
             let own: Vec<&Defect> = defects.iter().filter(|d| d.concerns(s.column)).collect();
@@ -153,7 +153,7 @@ fn deviation(tables: &[Table], name: &str) -> f64 {
     (square / count).sqrt()
 }
 
-/// How much noisier than usual this file is.
+/// The factor by which this file is noisier than usual.
 fn spread(defects: &[Defect], column: &str, file: usize, files: usize) -> f64 {
     let place = 2.0 * file as f64 / (files.max(2) - 1) as f64 - 1.0;
     let mut ratio = 1.0;
@@ -165,7 +165,7 @@ fn spread(defects: &[Defect], column: &str, file: usize, files: usize) -> f64 {
     ratio
 }
 
-/// In the order in which an instrument spoils a signal, whatever the order on the command line.
+/// Applies the defects in the order in which they arise in an instrument, regardless of the command line.
 fn disturb(
     values: &mut [f64],
     sensor: &Sensor,
@@ -210,7 +210,7 @@ fn disturb(
     }
 }
 
-/// Shifts a command against the rest and drops the rows that have lost theirs.
+/// Shifts a command relative to the other columns and drops the rows left without one.
 fn delay(table: &mut Table, name: &str, defects: &[Defect]) {
     let Some(at) = table.names.iter().position(|n| *n == name) else {
         return;
@@ -233,7 +233,7 @@ fn delay(table: &mut Table, name: &str, defects: &[Defect]) {
     }
 }
 
-/// The model's text for what is recorded: a wrapped angle has to be unwrapped.
+/// The model's text for this record: a wrapped angle must be unwrapped.
 pub fn model(case: &Case, defects: &[Defect]) -> String {
     let wrapped = case.sensors.iter().filter(|s| {
         let mut own = defects.iter().filter(|d| d.concerns(s.column));

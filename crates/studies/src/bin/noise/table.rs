@@ -1,6 +1,6 @@
 //! Outcomes of a noise level as a row of text, and of all runs as CSV.
 //!
-//! In: outcomes. Out: text. Decides nothing: what counts as exact is run.rs's.
+//! In: outcomes. Out: text. Decides nothing: run.rs says what is exact.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -13,7 +13,7 @@ pub struct Row<'a> {
     pub outcomes: &'a [Outcome],
 }
 
-/// The names of the columns; `targets` are those of the laws.
+/// The column heads; `targets` are those of the laws.
 pub fn head(targets: &[&str]) -> String {
     let mut text = format!("{:>7} ", "level");
     for target in targets {
@@ -27,24 +27,24 @@ impl Row<'_> {
         self.outcomes.iter().flat_map(|o| &o.laws)
     }
 
-    /// Runs whose every support is the true one.
+    /// Number of runs with all supports true.
     pub fn exact(&self) -> usize {
         self.outcomes.iter().filter(|o| o.exact()).count()
     }
 
-    /// Runs in which law `i` has the true support.
+    /// Number of runs in which law `i` has the true support.
     pub fn exact_of(&self, i: usize) -> usize {
         let exact = |o: &&Outcome| o.laws.get(i).is_some_and(|l| l.exact);
         self.outcomes.iter().filter(exact).count()
     }
 
-    /// Worst relative error of a coefficient of any exact equation.
+    /// Worst relative error of a coefficient in any exact equation.
     pub fn worst(&self) -> Option<f64> {
         let all = self.laws().flat_map(|l| [l.error, l.friction]).flatten();
         all.max_by(f64::total_cmp)
     }
 
-    /// The row, and under it what goes wrong.
+    /// The row, followed by what went wrong.
     pub fn text(&self) -> String {
         let runs = self.outcomes.len();
         let of = |k: usize| format!("{k}/{runs}");
@@ -99,7 +99,7 @@ impl Row<'_> {
     }
 }
 
-/// Median and largest.
+/// Median and maximum.
 fn summary(values: impl Iterator<Item = f64>, print: fn(f64) -> String) -> (String, String) {
     let mut all: Vec<f64> = values.collect();
     all.sort_by(f64::total_cmp);
@@ -117,7 +117,7 @@ fn percent(x: f64) -> String {
     }
 }
 
-/// What occurs how often, most often first.
+/// Words with their counts, the most frequent first.
 fn counted(words: impl Iterator<Item = String>) -> Vec<(String, usize)> {
     let mut counts = BTreeMap::new();
     for word in words {

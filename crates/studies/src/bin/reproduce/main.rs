@@ -1,12 +1,12 @@
-//! The thesis' tables and figures, and the questions that it left open, from one program.
+//! One program for the tables and figures of the thesis, and for the questions that it left open.
 //!
 //! ```sh
 //! cargo run --release -p sidc-studies --bin reproduce
 //! cargo run --release -p sidc-studies --bin reproduce -- --quick --out target/reproduction
 //! ```
 //!
-//! Writes docs/reproduction: README.md, a CSV file for every table, an SVG file for every figure. Seeds are fixed, so the same
-//! machine writes the same files; another may differ in the last digits of what is nearly zero.
+//! Writes docs/reproduction: README.md, a CSV file per table, an SVG file per figure. Seeds are fixed, so the same machine writes the same files; another may
+//! differ in the last digits of near-zero numbers.
 
 use std::error::Error;
 use std::fs;
@@ -79,7 +79,7 @@ fn chosen(only: &[String]) -> Result<Vec<&'static Chapter>, String> {
     Ok(CHAPTERS.iter().filter(wanted).collect())
 }
 
-/// What a heading is called in links.
+/// The anchor of a heading in links.
 fn anchor(title: &str) -> String {
     let kept = |c: &char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');
     let low = title.to_lowercase();

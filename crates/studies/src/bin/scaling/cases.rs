@@ -1,6 +1,6 @@
-//! The problems that are timed: a plant, a library of so many atoms, so many rows.
+//! The problems that are timed: a plant, a library with a number of atoms, a number of rows.
 //!
-//! In: a case. Out: its compiled model, its samples, and the law that stands behind them. It times nothing.
+//! In: a case. Out: its compiled model, its samples, and the true law. Times nothing.
 
 use std::fmt;
 
@@ -10,7 +10,6 @@ use sidc_data::{Column, Origin, Samples};
 use sidc_lang::source::Sources;
 use sidc_lang::term::{Signal, SignalNames};
 
-/// What moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Plant {
     /// A pendulum on a cart, target ddy.
@@ -28,7 +27,7 @@ impl fmt::Display for Plant {
     }
 }
 
-/// Atoms, with the rows to run them on.
+/// Numbers of atoms, each with the numbers of rows to run.
 type Libraries = &'static [(usize, &'static [usize])];
 
 /// Every case of the table.
@@ -53,7 +52,7 @@ pub static ALL: &[(Plant, &str, Libraries)] = &[
     ),
 ];
 
-/// The double pendulum's atoms, those of its law first; after ten of them each takes N to 3N.
+/// The double pendulum's atoms, those of its law first. Each one after the tenth triples the number of terms.
 const DOUBLE: [&str; 15] = [
     "dth1", "dth2", "F", "dx", "ddth1", "ddth2", "sin th1", "cos th1", "sin th2", "cos th2", "th1",
     "th2", "x", "sin F", "cos F",
@@ -80,10 +79,10 @@ pub struct Case {
 }
 
 impl Case {
-    /// `None` if the plant has no library of so many atoms.
+    /// `None` if the plant has no library with this number of atoms.
     ///
-    /// With fewer than ten atoms the double pendulum's law would not be in the library: for nine the ten stay, and all but the two
-    /// speeds have exponents 0 and 1.
+    /// With fewer than ten atoms the double pendulum's law would not be in the library. So the case of nine keeps all ten, and all except the two speeds have
+    /// only exponents 0 and 1.
     pub fn new(plant: Plant, atoms: usize, rows: usize) -> Option<Case> {
         let library = match (plant, atoms) {
             (Plant::Cart, 8) => format!("powers({}; 2)", CART.join(", ")),

@@ -1,6 +1,6 @@
-//! A dictionary that counts what a solver asks of it: pricings with their time, and columns taken out.
+//! A dictionary that counts the solver's requests: pricings with their time, and columns extracted.
 //!
-//! In: any dictionary. Out: the same answers. It changes nothing.
+//! In: any dictionary. Out: the same answers, unchanged.
 
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering::Relaxed};
 use std::time::{Duration, Instant};

@@ -1,12 +1,12 @@
-//! How time and memory grow with rows M and terms N, from a model's text to the proof: one Markdown row a case.
+//! How time and memory grow with rows M and terms N, from a model's text to the proof: one Markdown row per case.
 //!
 //! ```sh
 //! cargo run --release -p sidc-studies --bin scaling                     # the whole table
 //! cargo run --release -p sidc-studies --bin scaling -- double 13 200    # one case: 13 atoms, 200 rows
 //! ```
 //!
-//! In: models/data/double_pendulum.csv, and a cart-pendulum simulated here. Out: a table. Each case runs in a process of its
-//! own, so that its peak of resident memory is its own. It judges speed, and of the answer only whether it is the law.
+//! In: models/data/double_pendulum.csv, and a cart-pendulum simulated here. Out: a table. Each case runs in its own process, so that its peak of resident
+//! memory can be measured. Measures speed; of the answer it checks only whether it is the law.
 
 mod cases;
 mod counted;
@@ -29,7 +29,7 @@ use sidc_solve::{Certificate, Homotopy, Problem, Solution, Solver, certify};
 const EXACT: f64 = 1e-8;
 /// Terms of a wrong answer that are shown, on standard error.
 const SHOWN: usize = 10;
-/// Pricings timed, and so many more of short ones; the shortest counts.
+/// Number of timed pricings, and of additional ones if they are short; the shortest counts.
 const REPEATS: (usize, usize) = (3, 50);
 const SHORT: Duration = Duration::from_millis(10);
 
@@ -63,7 +63,7 @@ fn case(plant: &str, atoms: usize, rows: usize) -> Outcome<Case> {
     Case::new(plant, atoms, rows).ok_or_else(|| "no such library".into())
 }
 
-/// Every case in a child process.
+/// Runs every case in a child process.
 fn table() -> Outcome<()> {
     let this = std::env::current_exe()?;
     let start = Instant::now();
@@ -85,7 +85,7 @@ fn table() -> Outcome<()> {
     Ok(())
 }
 
-/// What one case took.
+/// The times of one case.
 struct Times {
     library: Duration,
     fill: Duration,
@@ -154,7 +154,7 @@ fn row(case: &Case) -> Outcome<String> {
     ))
 }
 
-/// The shortest of some looks at all columns: on a machine that is shared, a look may wait for its second core.
+/// The shortest of several pricings: on a shared machine a pricing may wait for its second core.
 fn pricing(phi: &dyn sidc_solve::dictionary::Dictionary, dual: &[f64]) -> Duration {
     let look = |_| {
         let start = Instant::now();
@@ -192,7 +192,7 @@ fn is_law(law: &[(&str, f64)], terms: &[(String, f64)]) -> bool {
     terms.len() == law.len() && terms.iter().all(matches)
 }
 
-/// Most memory that this process ever had resident, in bytes; `None` where the system does not say.
+/// The peak of resident memory of this process in bytes; `None` if the system does not report it.
 fn peak() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
@@ -208,7 +208,7 @@ fn megabytes(bytes: f64) -> String {
     significant(bytes / 1e6)
 }
 
-/// Two digits at least, no more than the measurement is worth.
+/// At least two digits, but no more than the measurement justifies.
 fn significant(x: f64) -> String {
     match x {
         x if x < 1.0 => format!("{x:.2}"),

@@ -1,7 +1,7 @@
-//! What counts of an answer for the user, and whether two answers are the same.
+//! The parts of an answer that matter to the user, and whether two answers are the same.
 //!
-//! In: the output of a run. Out: its parts, the weightier first, each as words that must be equal and numbers that must agree to three
-//! digits. Runs nothing.
+//! In: the output of a run. Out: its parts, the most important first, each with words that must be equal and numbers that must agree to three digits. Runs
+//! nothing.
 
 use std::process::Output;
 
@@ -9,32 +9,32 @@ use sidc_system::discovery::Reason;
 use sidc_system::result::Document;
 use sidc_testing::program::{Piece, codes_in, pieces};
 
-/// Where the answer of a case stands.
+/// Where the answer of a case is found, and what is compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Form {
-    /// A result document on standard output: terms, coefficients, statuses, reasons and marks count.
+    /// A result document on standard output: terms, coefficients, statuses, reasons and marks are compared.
     Result,
-    /// A CSV file, written by `-o`: values count to three digits of the largest of their column.
+    /// A CSV file written by `-o`: values are compared to three digits of the largest in their column.
     Table,
     /// Words and numbers on standard output.
     Text,
-    /// Words on standard output, whose numbers are sizes of errors.
+    /// Words on standard output; its numbers, sizes of errors, are ignored.
     Words,
-    /// Words on standard error, however they are broken into lines.
+    /// Words on standard error, regardless of line breaks.
     Messages,
 }
 
-/// Difference of two numbers that counts, relative to the largest of their group.
+/// Smallest difference of two numbers that matters, relative to the largest of their group.
 const THREE_DIGITS: f64 = 1e-3;
 
 struct Part {
     name: &'static str,
     words: Vec<String>,
-    /// Numbers of one scale each.
+    /// Groups of numbers with a common scale.
     numbers: Vec<Vec<f64>>,
 }
 
-/// The parts of an answer, the weightier first.
+/// The parts of an answer, the most important first.
 pub struct Answer(Vec<Part>);
 
 impl Answer {
@@ -60,7 +60,7 @@ fn close(a: &[f64], b: &[f64]) -> bool {
     pairs.all(|(a, b)| a == b || (a - b).abs() <= THREE_DIGITS * size)
 }
 
-/// The parts that count. `written` is the text of the file that the run wrote.
+/// The parts that matter. `written` is the text of the file that the run wrote.
 pub fn answer(form: Form, output: &Output, written: &str) -> Answer {
     let stdout = String::from_utf8_lossy(&output.stdout);
     let stderr = String::from_utf8_lossy(&output.stderr);
@@ -88,7 +88,7 @@ fn words(name: &'static str, words: impl IntoIterator<Item = impl Into<String>>)
 
 fn result(text: &str) -> Vec<Part> {
     let Ok(document) = serde_json::from_str::<Document>(text) else {
-        // An error, told by its code and the exit status.
+        // An error is compared by its code and the exit status.
         return Vec::new();
     };
     let codes = |target: &str, reasons: &[Reason]| {
@@ -98,7 +98,7 @@ fn result(text: &str) -> Vec<Part> {
     let (mut terms, mut coefficients) = (Vec::new(), Vec::new());
     let (mut statuses, mut reasons, mut marks) = (Vec::new(), Vec::new(), Vec::new());
     for equation in &document.equations {
-        // The order of terms is that of the library.
+        // The order of terms is that of the library, so it need not be sorted.
         terms.push(format!("{} =", equation.target));
         statuses.push(format!("{}: {:?}", equation.target, equation.status));
         reasons.push(codes(&equation.target, &equation.reasons));

@@ -1,7 +1,7 @@
-//! The cases whose answers are compared: command lines over the gallery, the records of the tests and wrong models.
+//! The cases whose answers are compared: command lines on the gallery, on records of the tests and on wrong models.
 //!
-//! Quick ones only, since each number costs two runs of every case that reads it. `@name` is a file of the study's own folder: of
-//! files.rs, or a result document.
+//! Only quick ones, since each number costs two runs of every case that reads it. `@name` is a file in the study's own folder: from files.rs, or a result
+//! document.
 
 use super::answer::Form::{self, Messages, Result, Table, Text, Words};
 
@@ -12,7 +12,7 @@ pub struct Case {
     pub command: &'static str,
 }
 
-/// Result documents that cases begin with, and what writes them.
+/// Result documents that cases start from, and the commands that write them.
 pub const DOCUMENTS: &[(&str, &str)] = &[
     ("rlc.json", "identify models/rlc.sid models/data/rlc.csv"),
     (
@@ -62,7 +62,7 @@ pub const CASES: &[Case] = &[
     case("two_carts", Result, "identify models/two_carts.sid models/data/two_carts.csv --json"),
     case("two_mass", Result, "identify models/two_mass.sid models/data/two_mass.csv --json"),
     case("van_der_pol", Result, "identify models/van_der_pol.sid models/data/van_der_pol.csv --json"),
-    // Other methods, and data that say less.
+    // Other methods, and less informative data.
     case("short nerve", Result, "identify models/fitzhugh_nagumo.sid models/data/fitzhugh_nagumo.csv --window=0..25 --json"),
     case("short springs", Result, "identify models/two_mass.sid models/data/two_mass.csv --window=0..1 --json"),
     case("few rows", Result, "identify models/brusselator.sid models/data/brusselator.csv --samples 30 --seed 1 --json"),

@@ -1,11 +1,11 @@
-//! Models with records that have something the matter with them: the gallery's have nothing, and many numbers decide what is wrong.
+//! Models with faulty records. Many numbers decide what is wrong with data, and the gallery's data have no faults.
 //!
-//! In: nothing. Out: (name, model, table), for `NAME.sid` and `NAME.csv`. All are the same in every study.
+//! In: nothing. Out: (name, model, table), for `NAME.sid` and `NAME.csv`. The files are the same in every study.
 
 use sidc_studies::planted::cases::cases;
 use sidc_testing::table::Table;
 
-/// Two records of each kind of planted causes (the readings of some of the second have noise), and those below.
+/// Two records of each kind of planted cause (some of the second have noise), and those below.
 pub fn files() -> Vec<(String, String, String)> {
     let wanted = |name: &str| name.ends_with(" 1") || name.ends_with(" 3");
     let planted = cases(0).into_iter().filter(|c| wanted(&c.name));
@@ -18,7 +18,7 @@ pub fn files() -> Vec<(String, String, String)> {
     planted.chain(own).collect()
 }
 
-/// Name, model, columns, number of rows, row by its number.
+/// Name, model, columns, number of rows, and a function from row number to row.
 type Record = (
     &'static str,
     &'static str,
@@ -28,7 +28,7 @@ type Record = (
 );
 
 const OWN: &[Record] = &[
-    // An angle that falls back to zero after a turn.
+    // An angle that falls back to zero after a full turn.
     (
         "turns",
         "state phi : order 2, unit \"deg\"\nddphi ~ <1, dphi>\n",
@@ -39,7 +39,7 @@ const OWN: &[Record] = &[
             vec![t, (200.0 * t + 60.0 * (2.0 * t).sin()).rem_euclid(360.0)]
         },
     ),
-    // A rate in other units than its state.
+    // A rate in another unit than its state.
     (
         "rates",
         "state x\ndx ~ poly(x; 2)\n",
@@ -77,7 +77,7 @@ const OWN: &[Record] = &[
             vec![t, t.sin() + 0.4 * (2.3 * t).cos()]
         },
     ),
-    // Discrete time with one sample at a time of its own.
+    // Discrete time with one irregular sample.
     (
         "numbers",
         "state x\nnext(x) ~ poly(x; 2)\n",
@@ -88,7 +88,7 @@ const OWN: &[Record] = &[
             vec![0.5 * k + odd, (0.3 * k).sin()]
         },
     ),
-    // Two records one after another in one file.
+    // Two consecutive records in one file.
     (
         "restart",
         "state x\ndx ~ poly(x; 2)\n",
@@ -99,7 +99,7 @@ const OWN: &[Record] = &[
             vec![t, (-t).exp() * if k < 100.0 { 1.0 } else { 2.0 }]
         },
     ),
-    // One relation of two accelerations, written twice.
+    // One relation between two accelerations, written twice.
     (
         "copies",
         "state x, y : order 2\nddx ~ <1, x, dx, ddy>\nddy ~ <1, y, dy, x, ddx>\n",
@@ -115,7 +115,7 @@ const OWN: &[Record] = &[
             vec![t, x, y, -4.0 * x + 0.3 * ddy + 1e-3 * (91.0 * t).sin(), ddy]
         },
     ),
-    // Readings with noise, a few of which are far off.
+    // Noisy readings with a few outliers.
     (
         "outliers",
         "state x, v\ndx ~ <x, v>\ndv ~ <x, v, x^3>\n",
@@ -123,7 +123,7 @@ const OWN: &[Record] = &[
         250,
         |k| {
             let t = 0.04 * k;
-            // Uniform, by the fractions of large sines.
+            // Pseudorandom uniform numbers: fractional parts of large sines.
             let noise = |seed: f64| {
                 0.04 * ((43758.5453 * (12.9898 * k + seed).sin()).rem_euclid(1.0) - 0.5)
             };
@@ -137,7 +137,7 @@ const OWN: &[Record] = &[
             ]
         },
     ),
-    // An angle read off in steps of a coarse encoder.
+    // An angle read by a coarse encoder.
     (
         "encoder",
         "state x : order 2\nddx ~ <1, x, dx, x^3>\n",
@@ -151,7 +151,7 @@ const OWN: &[Record] = &[
             ]
         },
     ),
-    // A damped spring, without any fault: the model has a rival in that of the encoder.
+    // A damped spring without faults: the encoder's model is a rival of its model.
     (
         "spring",
         "state x : order 2\nddx ~ <x, dx>\n",

@@ -1,4 +1,4 @@
-//! Every number that decides is halved and doubled: which answers change?
+//! Halves and doubles every number that decides: which answers change?
 //!
 //! ```sh
 //! cargo run --release -p sidc-studies --bin thresholds                       # what docs/thresholds-study.csv lacks
@@ -7,8 +7,8 @@
 //! ```
 //!
 //! In: a `sidc` built with `--cfg vary_thresholds` into target/vary, which reads a factor for one number from the environment
-//! (crates/thresholds/src/vary.rs). Out: docs/thresholds-study.csv, a row for each number and factor, written row by row: a study that
-//! was ended goes on where it was. A row is done anew if its number has another value in the code.
+//! (crates/thresholds/src/vary.rs). Out: docs/thresholds-study.csv, one row per number and factor, written row by row, so that an interrupted study can
+//! continue. A row is redone if its number has changed in the code.
 
 mod answer;
 mod cases;
@@ -43,7 +43,7 @@ struct Args {
     cases: bool,
 }
 
-/// A row to be filled: its place in the table, and everything but its cases.
+/// A row to be filled: its index in the table, and everything except its cases.
 type Order = (usize, Sensitivity);
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -79,7 +79,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     study(&program, &references, done, open, jobs, &path)
 }
 
-/// The program as the study needs it.
+/// Builds the program with variable thresholds.
 fn built() -> Result<PathBuf, Box<dyn Error>> {
     let target = root().join("target/vary");
     let status = Command::new(env!("CARGO"))
@@ -94,7 +94,7 @@ fn built() -> Result<PathBuf, Box<dyn Error>> {
     }
 }
 
-/// Rows that stand, by their places in the table, and rows to be run.
+/// Finished rows by their index in the table, and rows to be run.
 fn orders(
     only: &[String],
     known: &[Sensitivity],
@@ -167,7 +167,7 @@ fn study(
             let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
             done.insert(place, row);
             let rows: Vec<Sensitivity> = done.values().cloned().collect();
-            // Beside its place first: a study that is killed leaves a whole table.
+            // Written to a second file and renamed, so that a killed study leaves a complete table.
             let part = path.with_extension("part");
             std::fs::write(&part, write(&rows)).map_err(|e| e.to_string())?;
             std::fs::rename(&part, path).map_err(|e| e.to_string())?;

@@ -1,6 +1,6 @@
-//! Runs of the program: a case as it is, and with a number moved.
+//! Runs the program on a case, unchanged and with one number changed.
 //!
-//! In: cases, orders such as `Misfit.residual=0.5`. Out: what of an answer changed. Knows no number.
+//! In: cases, orders such as `Misfit.residual=0.5`. Out: what changed in an answer. Knows no particular number.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -14,17 +14,17 @@ use super::answer::{Answer, answer};
 use super::cases::{Case, DOCUMENTS};
 use super::files::files;
 
-/// A run may take so many times the processor time of its reference, and at least [`SHORTEST`] seconds of it.
+/// Limit of a run's processor time, as a multiple of the reference's, but at least [`SHORTEST`] seconds.
 const TIMES: f64 = 10.0;
 const SHORTEST: f64 = 5.0;
 
-/// Seconds after which a run that waits for nothing is ended: far beyond what it takes on a busy machine.
+/// Seconds after which a hanging run is killed: far more than it needs on a busy machine.
 const WAITS: f64 = 600.0;
 
 /// Address space of a run, kB.
 const MEMORY: u64 = 8_000_000;
 
-/// A case without a number moved.
+/// A case with all numbers unchanged.
 pub struct Reference {
     pub case: &'static Case,
     pub seconds: f64,
@@ -35,9 +35,9 @@ pub struct Reference {
 
 pub struct Program {
     sidc: PathBuf,
-    /// Where result documents lie that cases begin with.
+    /// The folder of the result documents that cases start from.
     folder: PathBuf,
-    /// Runs begun so far.
+    /// Number of runs started.
     runs: AtomicUsize,
 }
 
@@ -52,10 +52,10 @@ impl Program {
         Program { sidc, folder, runs }
     }
 
-    /// Writes models, records and result documents that cases begin with.
+    /// Writes the models, records and result documents that cases start from.
     ///
     /// # Errors
-    /// A file that is not written.
+    /// A file that cannot be written.
     pub fn prepare(&self) -> Result<(), String> {
         let write = |name: String, text: String| {
             std::fs::write(self.folder.join(name), text).map_err(|e| e.to_string())
@@ -78,7 +78,7 @@ impl Program {
     /// Runs a case twice.
     ///
     /// # Errors
-    /// A program that does not start, crashes, or answers the same question in two ways.
+    /// A program that does not start, crashes, or gives two different answers.
     pub fn reference(&self, case: &'static Case) -> Result<Reference, String> {
         let read = self.folder.join("families");
         let _ = std::fs::remove_file(&read);
@@ -104,7 +104,7 @@ impl Program {
         }
     }
 
-    /// What of the answer changes first with a number moved.
+    /// The first part of the answer that changes when a number is changed.
     ///
     /// # Errors
     /// A program that does not start.
@@ -117,7 +117,7 @@ impl Program {
         let case = reference.case;
         let (output, written) = self.run(case.command, limit, &[("SIDC_VARY", order)])?;
         Ok(match output.status.code() {
-            // SIGXCPU, or `timeout`.
+            // SIGXCPU, or the exit status of `timeout`.
             Some(124 | 137 | 152) => Some("time"),
             Some(0 | 1 | 3) => {
                 let found = answer(case.form, &output, &written);
@@ -127,8 +127,8 @@ impl Program {
         })
     }
 
-    /// Runs a command line from the repository's root, for at most `limit` seconds of the processor; `@name` is a file of the folder.
-    /// The text is that of `@out`, which no other run writes.
+    /// Runs a command line in the repository's root with at most `limit` seconds of processor time; `@name` is a file of the folder. The returned text is
+    /// that of `@out`, a file unique to this run.
     fn run(
         &self,
         command: &str,
@@ -145,7 +145,7 @@ impl Program {
                 None => word.into(),
             });
         let (limit, memory) = (limit.ceil(), MEMORY);
-        // The shell tells the end by a signal as an exit status above 128.
+        // The shell reports a death by signal as an exit status above 128.
         let script = format!(
             "ulimit -t {limit}; ulimit -v {memory}; timeout -s KILL {WAITS} \"$@\"; exit $?"
         );

@@ -1,4 +1,4 @@
-//! One axis: its range, its ticks and how they are written.
+//! One axis: its range, its ticks and their labels.
 
 /// A label with its unit, a range, and a scale.
 #[derive(Clone)]
@@ -7,9 +7,9 @@ pub struct Axis {
     from: f64,
     to: f64,
     log: bool,
-    /// Where there are no round numbers: places with words.
+    /// Positions with words, if the ticks are not numbers.
     words: Vec<(f64, String)>,
-    /// Ticks are written in per cent.
+    /// Whether ticks are in per cent.
     percent: bool,
 }
 
@@ -32,7 +32,7 @@ impl Axis {
         }
     }
 
-    /// A share of successes.
+    /// An axis for the share of successes.
     pub fn share(label: &str) -> Axis {
         Axis {
             percent: true,
@@ -51,7 +51,7 @@ impl Axis {
         Axis { words, ..self }
     }
 
-    /// Where a value stands, 0 at the start and 1 at the end, held inside.
+    /// The position of a value, from 0 at the start to 1 at the end, clamped.
     pub fn at(&self, value: f64) -> f64 {
         let place = |v: f64| match self.log {
             true => v.max(f64::MIN_POSITIVE).ln(),
@@ -61,7 +61,7 @@ impl Axis {
         ((place(value) - a) / (b - a)).clamp(0.0, 1.0)
     }
 
-    /// Places and texts.
+    /// Positions and texts of the ticks.
     pub fn ticks(&self) -> Vec<(f64, String)> {
         if !self.words.is_empty() {
             return self.words.clone();
@@ -75,7 +75,7 @@ impl Axis {
         texts.collect()
     }
 
-    /// Powers of ten, at most eight; with 2 and 5 where there are few.
+    /// At most eight powers of ten; if there are few, also 2 and 5 times these.
     fn decades(&self) -> Vec<f64> {
         let (a, b) = (self.from.log10(), self.to.log10());
         let wide = |every: &i32| (b - a) / f64::from(*every) <= 7.0;
@@ -95,7 +95,7 @@ impl Axis {
         out.into_iter().filter(inside).collect()
     }
 
-    /// Multiples of 1, 2 or 5 times a power of ten, about five.
+    /// About five round values: multiples of 1, 2, 2.5 or 5 times a power of ten.
     fn round(&self) -> Vec<f64> {
         let rough = (self.to - self.from) / 5.0;
         let power = 10_f64.powf(rough.log10().floor());
@@ -121,7 +121,7 @@ impl Axis {
     }
 }
 
-/// A number of few digits; thousands are set apart.
+/// A number with few digits and separated thousands.
 pub fn short(value: f64) -> String {
     let rounded = format!("{value:.6}");
     let text = rounded.trim_end_matches('0').trim_end_matches('.');
@@ -143,7 +143,7 @@ pub fn short(value: f64) -> String {
     }
 }
 
-/// An exponent in raised digits.
+/// An exponent in superscript digits.
 fn raised(exponent: i32) -> String {
     let raise = |c: char| match c {
         '-' => '⁻',

@@ -1,4 +1,4 @@
-//! One panel in its frame: grid, axes, marks.
+//! One panel: frame, grid, axes, marks.
 
 use std::fmt::Write;
 
@@ -12,7 +12,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// `number` tells the panels' clips apart.
+    /// `number` distinguishes the panels' clip paths.
     pub fn svg(&self, panel: &Panel, number: usize) -> String {
         let mut out = String::new();
         let cells = |m: &&Mark| matches!(m, Mark::Cell { .. });
@@ -158,7 +158,7 @@ impl Frame {
     }
 }
 
-/// The scale of cells, beside the first row of panels.
+/// The colour scale of cells, next to the first row of panels.
 pub fn bar(left: f64, top: f64, height: f64, text: &str) -> String {
     let mut out = String::new();
     const STEPS: usize = 40;
@@ -191,7 +191,7 @@ pub fn bar(left: f64, top: f64, height: f64, text: &str) -> String {
     out
 }
 
-/// From nearly white to dark blue: lightness alone tells the order.
+/// From nearly white to dark blue; lightness alone shows the order.
 fn shade(share: f64) -> String {
     const STOPS: [[f64; 3]; 4] = [
         [247.0, 247.0, 242.0],
@@ -215,7 +215,7 @@ pub fn stroke(look: Look) -> String {
     format!(" stroke='{}'{dash}", COLOURS[look.colour % COLOURS.len()])
 }
 
-/// Circle, square, triangle or diamond, by colour; hollow if the line is dashed.
+/// Circle, square, triangle or diamond, depending on colour; hollow for a dashed line.
 pub fn marker(look: Look, (x, y): (f64, f64), r: f64) -> String {
     let colour = COLOURS[look.colour % COLOURS.len()];
     let paint = match look.dashed {

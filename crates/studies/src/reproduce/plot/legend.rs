@@ -4,7 +4,7 @@ use super::draw::{escaped, marker, stroke};
 use super::{Look, Mark, Panel};
 
 const ROW: f64 = 22.0;
-/// Length of a sample of a line, and space after a name.
+/// Length of a line sample, and space after a name.
 const SAMPLE: f64 = 30.0;
 const AFTER: f64 = 22.0;
 
@@ -78,7 +78,7 @@ impl Legend {
     }
 }
 
-/// About how wide a text is.
+/// The approximate width of a text.
 fn extent(text: &str) -> f64 {
     let wide = |c: char| match c {
         'i' | 'l' | 'j' | '.' | ',' | '\'' | '|' | ' ' | '(' | ')' | 't' | 'f' => 4.0,

@@ -1,7 +1,7 @@
-//! Figures as SVG: panels of lines, dots, bands and cells over labelled axes, on white, for page width.
+//! Figures as SVG: panels of lines, dots, bands and cells over labelled axes, on white, at page width.
 //!
-//! In: numbers and names. Out: the text of a picture. Colours are those of Okabe and Ito, which colour-blind readers tell apart, and every line also
-//! has a marker or a dash of its own. Computes nothing that a reader would want in a table.
+//! In: numbers and names. Out: the text of a picture. The colours of Okabe and Ito can be distinguished by colour-blind readers, and every line also has its
+//! own marker or dash. Computes nothing that a reader would want in a table.
 
 mod axis;
 mod draw;
@@ -14,7 +14,7 @@ const COLOURS: [&str; 8] = [
     "#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#6b6b6b",
 ];
 
-/// How a line or dot looks: a colour, and a marker of the same number.
+/// The look of a line or dots: a colour, and the marker with the same index.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
     pub colour: usize,
@@ -51,7 +51,7 @@ pub enum Mark {
     Line {
         points: Vec<(f64, f64)>,
         look: Look,
-        /// Stands in the legend if not empty.
+        /// Shown in the legend if not empty.
         name: String,
     },
     Dots {
@@ -59,14 +59,14 @@ pub enum Mark {
         look: Look,
         name: String,
     },
-    /// Between two heights at each x.
+    /// The area between two ordinates at each x.
     Band {
         points: Vec<(f64, f64, f64)>,
         colour: usize,
     },
-    /// A horizontal one, with a word at its right end.
+    /// A horizontal line with a text at its right end.
     Level { y: f64, text: String },
-    /// A rectangle from (x, y) to (x, y) whose shade is a share from 0 to 1.
+    /// A rectangle between two corners, shaded by a share from 0 to 1.
     Cell {
         from: (f64, f64),
         to: (f64, f64),
@@ -74,7 +74,7 @@ pub enum Mark {
     },
 }
 
-/// A panel without a label of its y axis shares that of its neighbour to the left.
+/// A panel whose y axis has no label shares that of its left neighbour.
 pub struct Panel {
     pub title: String,
     pub x: Axis,
@@ -83,14 +83,14 @@ pub struct Panel {
 }
 
 pub struct Figure {
-    /// For those who cannot see it.
+    /// A description for those who cannot see the figure.
     pub about: String,
-    /// Panels side by side.
+    /// Number of panels in a row.
     pub columns: usize,
     /// Height of a panel's frame.
     pub height: f64,
     pub panels: Vec<Panel>,
-    /// What the shade of cells means, if there are any.
+    /// The meaning of the shade of cells, if there are any.
     pub shade: Option<String>,
 }
 
@@ -98,10 +98,10 @@ const WIDTH: f64 = 760.0;
 const LEFT: f64 = 72.0;
 const RIGHT: f64 = 18.0;
 const TITLE: f64 = 26.0;
-/// Below a frame: ticks with a label, and without.
+/// Space below a frame: ticks with a label, and without.
 const BELOW: f64 = 48.0;
 const TICKS: f64 = 24.0;
-/// Left of a panel that shares the axis of its neighbour.
+/// Space left of a panel that shares the axis of its neighbour.
 const SHARED: f64 = 20.0;
 const GAP: f64 = 14.0;
 
@@ -156,7 +156,7 @@ impl Figure {
         )
     }
 
-    /// Space left of a column: its panels share the axis of the one before if they have no label.
+    /// Space left of a column. Its panels share the axis of the column before if none has a label.
     fn margin(&self, column: usize) -> f64 {
         let mut panels = self.panels.iter().skip(column).step_by(self.columns.max(1));
         if panels.any(|p| !p.y.label.is_empty()) {
