@@ -2,7 +2,7 @@
 
 use sidc_lang::sensor_noise::SensorNoise;
 use sidc_progress::{Observer, Unwatched};
-use sidc_system::result::{self, Beside, FileEntry};
+use sidc_system::result::{self, DocumentContext, FileEntry};
 
 use crate::data::Data;
 use crate::discovery::Discovery;
@@ -86,7 +86,7 @@ impl Model {
         };
         let document = result::document(
             &discovery,
-            Beside {
+            DocumentContext {
                 settings: pipeline::settings(&source, program, &measured, data, options),
                 signals: pipeline::signal_entries(program, &measured),
                 warnings: pipeline::warnings(self.findings().iter().chain(&found)),

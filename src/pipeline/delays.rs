@@ -46,7 +46,7 @@ fn too_long(var: &Var, size: f64, longest: f64) -> Diagnostic {
 }
 
 /// The error for a range of delays that will not be searched; `None` if the model has none.
-pub(super) fn not_sought(model: &Model, why: &str) -> Option<Diagnostic> {
+pub(super) fn search_unavailable(model: &Model, why: &str) -> Option<Diagnostic> {
     let (id, delay) = model
         .delays()
         .find(|(_, delay)| matches!(delay, Delay::Within { .. }))?;

@@ -40,7 +40,7 @@ impl Weighing<'_> {
     /// Weighs every equation on its rows. If an equation failed, its reason says what the library lacks.
     pub fn weigh(&self, discovery: &mut Discovery, observer: &mut dyn Observer) {
         let all: Vec<usize> = (0..discovery.equations.len()).collect();
-        let mut judged: Vec<Judged> = Vec::new();
+        let mut judged: Vec<EquationEvidence> = Vec::new();
         // Two at a time, each on its own thread.
         for pair in all.chunks(2) {
             let (mut places, mut stopped) = (Vec::new(), None);
@@ -66,7 +66,7 @@ impl Weighing<'_> {
                 break;
             }
         }
-        judged.resize_with(discovery.equations.len(), Judged::default);
+        judged.resize_with(discovery.equations.len(), EquationEvidence::default);
         for (equation, judged) in discovery.equations.iter_mut().zip(&mut judged) {
             if let Some(told) = judged.told.take() {
                 identifiability::attach(equation, told);
@@ -118,7 +118,7 @@ impl Weighing<'_> {
         });
     }
 
-    fn one(&self, equation: &Equation) -> Option<Judged> {
+    fn one(&self, equation: &Equation) -> Option<EquationEvidence> {
         if equation.was_stopped() {
             return None;
         }
@@ -126,7 +126,7 @@ impl Weighing<'_> {
         let (model, samples) = (&self.program.model, self.rows.samples);
         let design = ScaledDesign::new(model, library, samples, equation, self.options)?;
         let stretches = uncertainty::block_normal_equations(&design);
-        Some(Judged {
+        Some(EquationEvidence {
             told: Some(identifiability::assess(
                 &design,
                 library,
@@ -174,7 +174,7 @@ pub(super) fn readings(
 
 /// What the rows say of one equation.
 #[derive(Default)]
-struct Judged {
+struct EquationEvidence {
     told: Option<Assessment>,
     stretches: Option<BlockNormalEquations>,
     halves: Option<Stability>,

@@ -9,14 +9,14 @@ use sidc_lang::diagnostic::Diagnostic;
 use sidc_progress::Observer;
 use sidc_system::discovery::{Discovery, SparsestProof};
 
-use super::constants;
+use super::constant_estimation;
 use super::evidence::Weighing;
 use super::joint::jointly;
 use super::measure::Measured;
 use super::missing_states;
 use super::program::Program;
 use super::rates;
-use super::second_way::better_way;
+use super::second_method::passing_method;
 use super::unevaluable;
 use crate::options::Options;
 
@@ -58,9 +58,9 @@ pub fn identify(
     );
     let mut discovery = found.map_err(|refused| diagnostics(program, measured, refused))?;
     let data = (&measured.dataset, &measured.samples);
-    constants::tell(program, data, &mut discovery, options);
-    constants::certify(program, &measured.samples, &mut discovery, observer);
-    constants::doubt(program, &measured.samples, &mut discovery, options);
+    constant_estimation::report_values(program, data, &mut discovery, options);
+    constant_estimation::certify(program, &measured.samples, &mut discovery, observer);
+    constant_estimation::doubt(program, &measured.samples, &mut discovery, options);
     rates::doubt(&mut discovery, &measured.dataset.rate_faults);
     let weighing = Weighing {
         program,
@@ -73,7 +73,7 @@ pub fn identify(
         options: search,
     };
     weighing.weigh(&mut discovery, observer);
-    let mut found = better_way(program, measured, options, discovery, observer);
+    let mut found = passing_method(program, measured, options, discovery, observer);
     if options.search.chooses_way() {
         let dataset = &measured.dataset;
         missing_states::propose((program, dataset), &mut found, None, options, observer);

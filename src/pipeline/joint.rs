@@ -12,7 +12,7 @@ use sidc_discover::{Description, Fitted, Refusal};
 use sidc_progress::Observer;
 use sidc_system::discovery::Discovery;
 
-use super::constants;
+use super::constant_estimation;
 use super::evidence::{self, Weighing};
 use super::program::Program;
 use super::rates;
@@ -41,7 +41,7 @@ pub(super) fn jointly(
         (nothing, Fitted::default())
     });
     rates::doubt(&mut discovery, &dataset.rate_faults);
-    constants::doubt(program, &fitted.samples, &mut discovery, options);
+    constant_estimation::doubt(program, &fitted.samples, &mut discovery, options);
     let constants = discovery.constant_values();
     let dataset = &match constants.is_empty() {
         true => Cow::Borrowed(dataset),

@@ -16,7 +16,7 @@ use sidc_progress::{Activity, Observer};
 
 use sidc_system::discovery::Discovery;
 
-use super::constants;
+use super::constant_estimation;
 use super::delays;
 use super::program::{Program, Staged, finish, needed};
 use crate::data::Data;
@@ -122,7 +122,7 @@ pub fn measure(
             diagnostics.push(not_hidden(hidden, &why.because));
         } else if !model.per_run.is_empty() {
             diagnostics.push(not_per_run(model, &why.because));
-        } else if let Some(sought) = delays::not_sought(model, &why.because) {
+        } else if let Some(sought) = delays::search_unavailable(model, &why.because) {
             diagnostics.push(sought);
         } else if search.method == Method::Joint {
             diagnostics.push(not_joint(&why.because));
@@ -149,9 +149,9 @@ pub fn measure(
         diagnostics.push(memory_unused(&model.name(name)));
     }
     if joint.is_err()
-        && let Some(given) = constants::only_given(program)
+        && let Some(given) = constant_estimation::only_in_known_equations(program)
     {
-        diagnostics.push(constants::not_estimated(model, given));
+        diagnostics.push(constant_estimation::not_estimated(model, given));
     }
     let joint = joint.ok();
     diagnostics.extend(found);
@@ -170,7 +170,7 @@ pub fn measure(
         narrowed,
     };
     let data = (measured.acting(), &measured.samples);
-    if let Some(values) = constants::settle(program, data, options, observer) {
+    if let Some(values) = constant_estimation::estimate(program, data, options, observer) {
         measured.set_constants(model, &values);
     }
     finish(measured, diagnostics)

@@ -10,7 +10,7 @@
 use sidc_data::Dataset;
 use sidc_discover as discover;
 use sidc_discover::{Description, Method, SearchScope};
-use sidc_lang::added_state::{AddedState, behind_lag, behind_sensor, driven_by_state};
+use sidc_lang::added_state::{AddedState, driven_by_state, input_through_lag, sensor_with_lag};
 use sidc_lang::library::{Library, MEMORY};
 use sidc_lang::model::{Var, VarKind};
 use sidc_lang::number::significant;
@@ -227,13 +227,13 @@ fn lagged(
         return Vec::new();
     };
     let input = |(id, var): (_, &Var)| {
-        let added = behind_lag(text, model, id, range)?;
+        let added = input_through_lag(text, model, id, range)?;
         Some((format!("a first-order lag of {}", var.name), added))
     };
     let sensor = |target: &Signal| {
         let mut rates = (1..=target.der).map(|der| Signal::derivative(target.var, der));
         let var = model.var(target.var)?;
-        let added = behind_sensor(text, model, target.var, range)?;
+        let added = sensor_with_lag(text, model, target.var, range)?;
         let what = format!("a first-order lag of the sensor of {}", var.name);
         (!rates.any(|s| dataset.has(s))).then_some((what, added))
     };

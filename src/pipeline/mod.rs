@@ -2,7 +2,7 @@
 //!
 //! Each stage takes the result of the one before and adds its diagnostics; an observer follows the work. Nothing here reads files or prints.
 
-mod constants;
+mod constant_estimation;
 mod delays;
 mod document;
 mod evidence;
@@ -17,7 +17,7 @@ mod program;
 mod rates;
 mod reduction;
 mod regression;
-mod second_way;
+mod second_method;
 mod thresholds;
 mod unevaluable;
 mod verification;

@@ -260,8 +260,9 @@ fn memory_is_known_before_anything_is_evaluated() {
     };
     let library = Library::products(vec![block], Vec::new());
     assert_eq!(library.slots(), 1_594_323);
-    let factors = 729 + 2 * 2187 + 26 + 1;
-    assert_eq!(bytes(&library, 200), 8 * (factors * 200 + 1_594_323));
+    // Left factors and powers; right factors in double and in single precision, and a scaled copy; a length for every slot.
+    let factors = 8 * (729 + 26 + 1) + 20 * 2187;
+    assert_eq!(bytes(&library, 200), factors * 200 + 4 * 1_594_323);
 }
 
 /// The sum with λ overflows, but the correlation must be that of the normalised column.

@@ -353,7 +353,7 @@ mod ctrl_c {
     /// Waits until the process handles Ctrl-C; false if it was started with Ctrl-C ignored, as shells do in scripts.
     fn listens(child: &Child) -> bool {
         let start = Instant::now();
-        while start.elapsed() < sidc_testing::hang::HANGS {
+        while start.elapsed() < sidc_testing::hang::HANG_LIMIT {
             let status = format!("/proc/{}/status", child.id());
             let status = std::fs::read_to_string(status).unwrap();
             let mask = |name: &str| {

@@ -3,7 +3,7 @@
 //! In: a discovery. Out: lines for a comment, a text for a constant, a delay for each input. The texts contain no quotes, no backslashes
 //! and no end of a comment, so that they are safe in every language.
 
-use crate::code::identifiers::{harmless, plain};
+use crate::code::identifiers::{comment_safe, plain};
 use crate::text::disturbance;
 use crate::text::layout::wrapped;
 use sidc_lang::number::significant;
@@ -45,14 +45,14 @@ pub(crate) fn caveats(d: &Discovery) -> Vec<String> {
     let mut lines = vec![format!("verdict: {}", LawVerdict::of(d).as_str())];
     for (target, reason) in verdict::reasons(d) {
         let text = format!("{target}: {}: {}", reason.code, reason.text);
-        lines.extend(wrapped(&harmless(&text), WIDTH, "  ", "    "));
+        lines.extend(wrapped(&comment_safe(&text), WIDTH, "  ", "    "));
     }
     for sentence in d.hidden_sentences() {
-        lines.extend(wrapped(&harmless(&sentence), WIDTH, "  ", "    "));
+        lines.extend(wrapped(&comment_safe(&sentence), WIDTH, "  ", "    "));
     }
     for sentence in disturbance::sentences(d) {
         let text = format!("{sentence}; runs of these equations leave it out");
-        lines.extend(wrapped(&harmless(&text), WIDTH, "  ", "    "));
+        lines.extend(wrapped(&comment_safe(&text), WIDTH, "  ", "    "));
     }
     for e in &d.equations {
         for t in e.terms.iter().filter(|t| !t.runs.is_empty()) {
@@ -64,7 +64,7 @@ pub(crate) fn caveats(d: &Discovery) -> Vec<String> {
                 Language(d).term(&t.term),
                 values.join(", ")
             );
-            lines.extend(wrapped(&harmless(&text), WIDTH, "  ", "    "));
+            lines.extend(wrapped(&comment_safe(&text), WIDTH, "  ", "    "));
         }
     }
     for (place, variable) in d.variables.iter().enumerate() {

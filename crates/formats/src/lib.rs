@@ -14,8 +14,9 @@
 mod arrow;
 mod budget;
 mod bytes;
+mod column_builder;
+mod compression;
 mod fault;
-mod gathered;
 #[cfg(all(feature = "hdf5", panic = "unwind"))]
 mod hdf5;
 mod kind;
@@ -23,7 +24,6 @@ mod mat;
 mod mcap;
 mod moments;
 mod npy;
-mod packing;
 #[cfg(all(feature = "parquet", panic = "unwind"))]
 mod parquet;
 mod read;

@@ -78,8 +78,11 @@ fn assembled(
         Kind::Npy => (npy::file(&bytes, &mut budget)?, FirstIndex::Zero),
         Kind::Zip => (npy::archive(&bytes, &mut budget)?, FirstIndex::Zero),
         Kind::Mat => (mat::variables(&bytes, &mut budget)?, FirstIndex::One),
-        Kind::Hdf5 => (hierarchical(bytes, &mut budget)?, FirstIndex::One),
-        Kind::Parquet => (columnar(bytes, &mut budget, limits)?, FirstIndex::Zero),
+        Kind::Hdf5 => (hdf5_variables(bytes, &mut budget)?, FirstIndex::One),
+        Kind::Parquet => (
+            parquet_variables(bytes, &mut budget, limits)?,
+            FirstIndex::Zero,
+        ),
         Kind::Arrow => (
             arrow::variables(&bytes, &mut budget, limits)?,
             FirstIndex::Zero,
@@ -98,10 +101,10 @@ fn assembled(
 }
 
 #[cfg(all(feature = "parquet", panic = "unwind"))]
-use crate::parquet::variables as columnar;
+use crate::parquet::variables as parquet_variables;
 
 #[cfg(not(all(feature = "parquet", panic = "unwind")))]
-fn columnar(
+fn parquet_variables(
     _: Vec<u8>,
     _: &mut Budget,
     _: &Limits,
@@ -112,10 +115,10 @@ fn columnar(
 }
 
 #[cfg(all(feature = "hdf5", panic = "unwind"))]
-use crate::hdf5::variables as hierarchical;
+use crate::hdf5::variables as hdf5_variables;
 
 #[cfg(not(all(feature = "hdf5", panic = "unwind")))]
-fn hierarchical(_: Vec<u8>, _: &mut Budget) -> Result<Vec<crate::variables::Variable>, Fault> {
+fn hdf5_variables(_: Vec<u8>, _: &mut Budget) -> Result<Vec<crate::variables::Variable>, Fault> {
     Err(Fault::unsupported("an HDF5 or MATLAB 7.3 file, and this program was built without them").help(
         "in MATLAB, save('data.mat', …, '-v7') writes a file that is read; or build it with --profile embedded --features hdf5, or give the file to sidc in Python",
     ))

@@ -28,7 +28,7 @@ pub struct AddedState {
 
 /// Puts a first-order lag between an input and the laws: `du_lag = (u - u_lag)/tau`, with tau unknown in a range of seconds. `None` if no
 /// law uses the input, a law uses its rate, a symmetry flips it, or the text has families.
-pub fn behind_lag(
+pub fn input_through_lag(
     text: &str,
     model: &Model,
     input: VarId,
@@ -41,7 +41,7 @@ pub fn behind_lag(
     let state = names.unused(&format!("{name}_lag"));
     let constant = names.unused("tau");
     let mut edited = Edited::new(text);
-    for piece in edited.pieces_of(&LAWS) {
+    for piece in edited.statements_with(&LAWS) {
         if edited.mentions(&piece, &[format!("d{name}"), format!("{name}'")]) {
             return None;
         }
@@ -67,7 +67,7 @@ pub fn behind_lag(
 /// Puts a first-order lag between a state and its sensor: `dx = (x_true - x)/tau`, where x is what the sensor reads and tau is unknown in a
 /// range of seconds. `None` if the state is hidden, delayed, flipped by a symmetry, declared in a range of names, or has noise given for a
 /// derivative; or if the text has families.
-pub fn behind_sensor(
+pub fn sensor_with_lag(
     text: &str,
     model: &Model,
     sensed: VarId,
@@ -91,16 +91,16 @@ pub fn behind_sensor(
             with(name).into_iter().zip(with(&state))
         })
         .collect();
-    for piece in edited.pieces_of(&LAWS) {
+    for piece in edited.statements_with(&LAWS) {
         edited.rename(&piece, &renamed);
     }
     if edited.changed.is_empty() {
         return None;
     }
-    let declared = edited.pieces_of(&[Some(Keyword::State)]).into_iter();
+    let declared = edited.statements_with(&[Some(Keyword::State)]).into_iter();
     let own = declared.filter(|p| edited.mentions(p, std::slice::from_ref(name)));
     for piece in own.collect::<Vec<_>>() {
-        edited.declare_one_by_one(&piece, name)?;
+        edited.split_declaration(&piece, name)?;
     }
     let order = match var.order {
         1 => String::new(),
@@ -227,7 +227,7 @@ impl<'t> Edited<'t> {
     }
 
     /// The statements with these keywords.
-    fn pieces_of(&self, keywords: &[Option<Keyword>]) -> Vec<StatementTokens> {
+    fn statements_with(&self, keywords: &[Option<Keyword>]) -> Vec<StatementTokens> {
         let (pieces, _) = split_statements(FileId(0), &self.tokens);
         let own = pieces.into_iter().filter(|p| keywords.contains(&p.keyword));
         own.collect()
@@ -268,7 +268,7 @@ impl<'t> Edited<'t> {
     }
 
     /// Splits a declaration into one statement for each name. The one for `first_order` loses its `order`. `None` for ranges of names.
-    fn declare_one_by_one(&mut self, piece: &StatementTokens, first_order: &str) -> Option<()> {
+    fn split_declaration(&mut self, piece: &StatementTokens, first_order: &str) -> Option<()> {
         let tokens = self.tokens[piece.tokens.clone()].iter();
         let code: Vec<&Token> = tokens.filter(|t| t.is_code()).collect();
         let (keyword, rest) = code.split_first()?;

@@ -361,7 +361,7 @@ impl Model {
     }
 
     /// True if some delay is to be estimated.
-    pub fn seeks_delays(&self) -> bool {
+    pub fn has_unknown_delays(&self) -> bool {
         self.delays()
             .any(|(_, d)| matches!(d, Delay::Within { .. }))
     }
@@ -409,7 +409,7 @@ impl UnknownConstant {
     }
 
     /// The range that contains a value, or else the first.
-    pub fn range_about(&self, value: f64) -> (f64, f64) {
+    pub fn range_containing(&self, value: f64) -> (f64, f64) {
         let ranges = self.ranges();
         let mut holding = ranges
             .iter()

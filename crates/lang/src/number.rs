@@ -72,7 +72,7 @@ pub fn percent(share: f64) -> String {
 }
 
 /// Significant digits that tell the ends of an interval apart, and two more.
-pub fn digits_apart(low: f64, high: f64) -> usize {
+pub fn distinguishing_digits(low: f64, high: f64) -> usize {
     let size = low.abs().max(high.abs());
     let digits = (size / (high - low).abs()).log10().ceil();
     let digits = if digits.is_finite() { digits } else { 15.0 };
@@ -135,7 +135,7 @@ mod tests {
 
     #[test]
     fn digits_grow_as_intervals_shrink() {
-        assert_eq!(digits_apart(1.0, 1.1), 4);
-        assert_eq!(digits_apart(1.0, 1.0), 15);
+        assert_eq!(distinguishing_digits(1.0, 1.1), 4);
+        assert_eq!(distinguishing_digits(1.0, 1.0), 15);
     }
 }

@@ -147,7 +147,7 @@ pub fn printable(text: &str) -> String {
             '\n' | '\t' => c,
             // A carriage return would overwrite its line.
             '\r' => ' ',
-            c if !is_unseen(c) => c,
+            c if !is_invisible(c) => c,
             c => match c.len_utf8() {
                 1 => '?',
                 2 => '¿',
@@ -159,7 +159,7 @@ pub fn printable(text: &str) -> String {
 }
 
 /// True of control characters and of invisible ones: joiners, direction marks, soft hyphens.
-pub fn is_unseen(c: char) -> bool {
+pub fn is_invisible(c: char) -> bool {
     c.is_control()
         || matches!(
             c,
@@ -176,11 +176,11 @@ mod tests {
     /// Byte offsets stay valid.
     #[test]
     fn what_nobody_sees_is_replaced_byte_for_byte() {
-        for c in ('\0'..=char::MAX).filter(|c| is_unseen(*c)) {
+        for c in ('\0'..=char::MAX).filter(|c| is_invisible(*c)) {
             let shown = printable(&c.to_string());
             assert_eq!(shown.len(), c.len_utf8(), "{c:?}");
             assert!(
-                matches!(c, '\n' | '\t') || !shown.contains(is_unseen),
+                matches!(c, '\n' | '\t') || !shown.contains(is_invisible),
                 "{c:?}"
             );
         }

@@ -5,12 +5,12 @@ use std::thread;
 use std::time::Duration;
 
 /// No work of a test takes this long, however busy the machine is.
-pub const HANGS: Duration = Duration::from_secs(300);
+pub const HANG_LIMIT: Duration = Duration::from_secs(300);
 
 /// Runs work in a thread of its own and returns its result.
 ///
 /// # Panics
-/// If it has not ended after [`HANGS`], or panics.
+/// If it has not ended after [`HANG_LIMIT`], or panics.
 pub fn ends<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
     let (done, ended) = channel();
     let worker = thread::spawn(move || {
@@ -19,8 +19,8 @@ pub fn ends<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
         let _ = done.send(());
         result
     });
-    if let Err(std::sync::mpsc::RecvTimeoutError::Timeout) = ended.recv_timeout(HANGS) {
-        panic!("no end after {HANGS:?}");
+    if let Err(std::sync::mpsc::RecvTimeoutError::Timeout) = ended.recv_timeout(HANG_LIMIT) {
+        panic!("no end after {HANG_LIMIT:?}");
     }
     worker
         .join()

@@ -23,7 +23,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use sidc_testing::hang::HANGS;
+use sidc_testing::hang::HANG_LIMIT;
 
 /// Address space of a child, kB. Threads reserve much of it and touch little.
 const SPACE: u64 = 3_000_000;
@@ -88,7 +88,7 @@ pub fn finished(mut child: Child, folder: &Path) -> Ran {
         if let Some(status) = child.try_wait().unwrap() {
             break status;
         }
-        if start.elapsed() > HANGS {
+        if start.elapsed() > HANG_LIMIT {
             child.kill().unwrap();
             child.wait().unwrap();
             panic!(

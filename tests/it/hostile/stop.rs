@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::{Child, Command};
 use std::time::{Duration, Instant};
 
-use sidc_testing::hang::HANGS;
+use sidc_testing::hang::HANG_LIMIT;
 
 use super::{MODEL, Ran, decay, finished, started};
 
@@ -23,7 +23,7 @@ fn wait_until(child: &mut Child, what: &str, mut there: impl FnMut(&mut Child) -
     let start = Instant::now();
     while !there(child) {
         assert!(child.try_wait().unwrap().is_none(), "ended before `{what}`");
-        assert!(start.elapsed() < HANGS, "never came to `{what}`");
+        assert!(start.elapsed() < HANG_LIMIT, "never came to `{what}`");
         std::thread::sleep(Duration::from_millis(1));
     }
 }

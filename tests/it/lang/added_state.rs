@@ -1,6 +1,6 @@
 //! Model texts with one more state have the intended meaning and compile.
 
-use sidc_lang::added_state::{AddedState, behind_lag, behind_sensor, driven_by_state};
+use sidc_lang::added_state::{AddedState, driven_by_state, input_through_lag, sensor_with_lag};
 use sidc_lang::model::Model;
 use sidc_lang::term::VarId;
 
@@ -35,7 +35,7 @@ fn an_input_stands_behind_a_lag_wherever_laws_have_it() {
     let model = compiled(text);
     let added = sound(
         text,
-        behind_lag(text, &model, place(&model, "u"), (0.1, 20.0)),
+        input_through_lag(text, &model, place(&model, "u"), (0.1, 20.0)),
     );
     assert_eq!(
         added.lines,
@@ -54,7 +54,7 @@ fn names_that_are_taken_are_left_alone() {
     let text =
         "unknown tau in 1..2\nstate x, u_lag\ninput u\ndx ~ <x/tau, u>\ndu_lag ~ <u_lag, u>\n";
     let model = compiled(text);
-    let added = behind_lag(text, &model, place(&model, "u"), (0.1, 20.0)).unwrap();
+    let added = input_through_lag(text, &model, place(&model, "u"), (0.1, 20.0)).unwrap();
     assert_eq!(added.state, "u_lag2");
     assert_eq!(added.constant.as_deref(), Some("tau2"));
     compiled(&added.text);
@@ -65,7 +65,7 @@ fn an_input_whose_rate_acts_has_no_lag() {
     let text = "state x\ninput u : order 1\ndx ~ <x, u, du>\n";
     let model = compiled(text);
     assert_eq!(
-        behind_lag(text, &model, place(&model, "u"), (0.1, 20.0)),
+        input_through_lag(text, &model, place(&model, "u"), (0.1, 20.0)),
         None
     );
 }
@@ -76,7 +76,7 @@ fn what_a_sensor_reads_has_an_order_of_its_own() {
     let model = compiled(text);
     let added = sound(
         text,
-        behind_sensor(text, &model, place(&model, "x"), (0.1, 20.0)),
+        sensor_with_lag(text, &model, place(&model, "x"), (0.1, 20.0)),
     );
     assert_eq!(
         added.lines,
@@ -103,7 +103,7 @@ fn a_sensor_of_which_more_is_said_has_no_lag() {
         let hidden = model.hidden_states().next().map(|(id, _)| id);
         let place = hidden.unwrap_or(VarId(1));
         assert_eq!(
-            behind_sensor(text, &model, place, (0.1, 20.0)),
+            sensor_with_lag(text, &model, place, (0.1, 20.0)),
             None,
             "{text}"
         );

@@ -37,7 +37,7 @@ pub(crate) fn estimate_delays(
     watcher: &mut EquationObserver,
 ) -> DeclaredDelays {
     let mut declared = DeclaredDelays::of(model);
-    if !model.seeks_delays() {
+    if !model.has_unknown_delays() {
         return declared;
     }
     let screened = screen_ranges(problem, declared.applied(), watcher);

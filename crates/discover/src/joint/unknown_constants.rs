@@ -131,7 +131,7 @@ impl Constants {
             signal: s.signal(),
             run: s.run.map(|run| run as usize),
             value: *value,
-            range: s.unknown.range_about(*value),
+            range: s.unknown.range_containing(*value),
         };
         Constants {
             sought: all.iter().zip(values).map(one).collect(),
@@ -160,7 +160,7 @@ impl Constants {
         if self.sought.is_empty() {
             return Vec::new();
         }
-        let range = |k: usize, value: f64| self.all[k].unknown.range_about(value);
+        let range = |k: usize, value: f64| self.all[k].unknown.range_containing(value);
         let about = Answer {
             problem,
             found,

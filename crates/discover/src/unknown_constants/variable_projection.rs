@@ -49,7 +49,7 @@ pub(super) fn project(
         .sought
         .iter()
         .zip(start)
-        .map(|(s, v)| Coordinate::new(s.unknown.range_about(*v)))
+        .map(|(s, v)| Coordinate::new(s.unknown.range_containing(*v)))
         .collect();
     let mut here = linearize(profile, &terms, start)?;
     let mut values = start.to_vec();

@@ -86,7 +86,7 @@ pub(crate) fn plain(name: &str) -> String {
 }
 
 /// Text that cannot end a comment or a string.
-pub(crate) fn harmless(text: &str) -> String {
+pub(crate) fn comment_safe(text: &str) -> String {
     let piece = |c: char| match c {
         '"' | '`' => '\'',
         '\\' => '/',
@@ -135,6 +135,6 @@ mod tests {
 
     #[test]
     fn no_text_ends_a_comment_or_a_string() {
-        assert_eq!(harmless("a*/b \"c\"\\\n/* ??/"), "a* /b 'c'/ / * ? ?/");
+        assert_eq!(comment_safe("a*/b \"c\"\\\n/* ??/"), "a* /b 'c'/ / * ? ?/");
     }
 }

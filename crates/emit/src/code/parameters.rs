@@ -3,7 +3,7 @@
 //! In: a discovery. Out: names, values, standard errors, units, covariances, and lines for comments. The emitted functions do not read
 //! these; they contain the values as literals.
 
-use crate::code::identifiers::{Identifiers, harmless};
+use crate::code::identifiers::{Identifiers, comment_safe};
 use sidc_lang::term::{Language, SignalNames};
 use sidc_system::discovery::{Discovery, Equation, FoundTerm};
 
@@ -47,10 +47,10 @@ impl<'a> Parameters<'a> {
             let unit = variable.and_then(|v| v.unit.as_ref());
             all.push(Parameter {
                 name: names.fresh(&u.name),
-                about: format!("unknown {}", harmless(&u.name)),
+                about: format!("unknown {}", comment_safe(&u.name)),
                 value: u.value,
-                error: as_written(u.value, u.standard_error),
-                unit: unit.map_or_else(String::new, |u| harmless(&u.to_string())),
+                error: at_least_rounding(u.value, u.standard_error),
+                unit: unit.map_or_else(String::new, |u| comment_safe(&u.to_string())),
                 place: Place::Nowhere,
             });
         }
@@ -110,7 +110,7 @@ pub(crate) fn numbers(all: &[f64], nan: &str) -> String {
 }
 
 /// A standard error, at least as large as the rounding of the value; NaN if it is not known.
-fn as_written(value: f64, error: Option<f64>) -> f64 {
+fn at_least_rounding(value: f64, error: Option<f64>) -> f64 {
     let rounding = f64::EPSILON * value.abs();
     error.map_or(f64::NAN, |e| e.max(rounding))
 }
@@ -126,20 +126,20 @@ fn coefficient(
     let place = fits.find_map(|(fit, c)| Some(Place::Fit(fit, c.place(&target, &term)?)));
     let unit = d.coefficient_unit(equation.target, &found.term);
     Parameter {
-        name: names.fresh(&format!("{target}_{}", spoken(&term))),
-        about: harmless(&format!("{target}: {term}")),
+        name: names.fresh(&format!("{target}_{}", operators_as_words(&term))),
+        about: comment_safe(&format!("{target}: {term}")),
         value: found.coefficient,
         error: match (found.fixed, found.standard_error) {
             (true, _) => 0.0,
-            (false, error) => as_written(found.coefficient, error),
+            (false, error) => at_least_rounding(found.coefficient, error),
         },
-        unit: unit.map_or_else(String::new, |u| harmless(&u.to_string())),
+        unit: unit.map_or_else(String::new, |u| comment_safe(&u.to_string())),
         place: place.unwrap_or(Place::Nowhere),
     }
 }
 
 /// A term with operators as words, to be made a name: `dtheta^2*sin(theta)` is `dtheta2_sin(theta)`.
-fn spoken(term: &str) -> String {
+fn operators_as_words(term: &str) -> String {
     let words = [
         (" ", ""),
         ("/", "_per_"),
@@ -230,7 +230,10 @@ mod tests {
 
     #[test]
     fn terms_become_words() {
-        assert_eq!(spoken("dtheta^2*sin(theta)"), "dtheta2_sin(theta)");
-        assert_eq!(spoken("x/(1 + y)"), "x_per_(1_plus_y)");
+        assert_eq!(
+            operators_as_words("dtheta^2*sin(theta)"),
+            "dtheta2_sin(theta)"
+        );
+        assert_eq!(operators_as_words("x/(1 + y)"), "x_per_(1_plus_y)");
     }
 }

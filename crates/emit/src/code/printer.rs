@@ -240,7 +240,11 @@ pub(crate) fn used_helpers(all: &[(bool, &str)]) -> String {
 }
 
 /// Fills in numbers of states and switches, and the arguments as declared and as passed.
-pub(crate) fn sized(program: &Program, text: &str, arguments: (String, String)) -> String {
+pub(crate) fn fill_placeholders(
+    program: &Program,
+    text: &str,
+    arguments: (String, String),
+) -> String {
     let (declared, passed) = arguments;
     text.replace("@N@", &program.form.state.len().to_string())
         .replace("@K@", &program.switches.len().to_string())

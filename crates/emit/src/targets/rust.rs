@@ -8,7 +8,9 @@ use crate::code::bracket_lists::{LINE_WIDTH, list, unpacked_names};
 use crate::code::identifiers::{plain, titled};
 use crate::code::infix::Syntax;
 use crate::code::parameters::{Parameter, Parameters, numbers};
-use crate::code::printer::{Dialect, Language, Printer, commented, sized, used_helpers};
+use crate::code::printer::{
+    Dialect, Language, Printer, commented, fill_placeholders, used_helpers,
+};
 use crate::code::program::{Function, Newton, Program, Step};
 use sidc_lang::term::{Func, Node};
 use sidc_system::discovery::Discovery;
@@ -129,7 +131,7 @@ impl Language for Rust {
             .map(|a| format!(", {}: &[f64; {}]", a.name, a.signals.len()));
         let passed = other.map(|a| format!(", {}", a.name));
         let arguments = (declared.collect::<String>(), passed.collect::<String>());
-        let steps = |text| sized(program, text, arguments.clone());
+        let steps = |text| fill_placeholders(program, text, arguments.clone());
         let jumps = !program.switches.is_empty();
         used_helpers(&[
             (program.has_step(), &steps(STEP)),

@@ -151,12 +151,12 @@ impl Math<'_> {
                                 self.names.name(Name::Signal(*signal)),
                                 apply("divide", &[self.text(*right), self.text(*mass)]),
                             ),
-                            _ => return Err(TOGETHER.into()),
+                            _ => return Err(COUPLED_REFUSED.into()),
                         }
                     }
-                    _ => return Err(TOGETHER.into()),
+                    _ => return Err(COUPLED_REFUSED.into()),
                 },
-                Step::Newton(_) => return Err(TOGETHER.into()),
+                Step::Newton(_) => return Err(COUPLED_REFUSED.into()),
             };
             document.computed(&name, &math);
         }
@@ -208,7 +208,7 @@ impl Math<'_> {
     }
 }
 
-const TOGETHER: &str = "SBML has rates that are formulas, and these equations are solved together; --to modelica writes them as they were found";
+const COUPLED_REFUSED: &str = "SBML has rates that are formulas, and these equations are solved together; --to modelica writes them as they were found";
 
 fn apply(operator: &str, arguments: &[String]) -> String {
     format!("<apply><{operator}/>{}</apply>", arguments.concat())

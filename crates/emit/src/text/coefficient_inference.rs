@@ -3,7 +3,7 @@
 //! In: an equation whose terms are marked. Out: lines. Judges nothing.
 
 use crate::thresholds::PRINTED;
-use sidc_lang::number::{digits_apart, significant};
+use sidc_lang::number::{distinguishing_digits, significant};
 use sidc_lang::term::{Language, SignalNames};
 use sidc_system::discovery::{
     Discovery, DropOneRefit, Equation, FoundTerm, MARKS, Mark, OmittedTerm, TermEvidence,
@@ -93,7 +93,7 @@ pub(crate) fn rule(d: &Discovery) -> Option<String> {
 
 /// An interval with the digits that its width determines.
 fn between((low, high): (f64, f64)) -> String {
-    let digits = digits_apart(low, high);
+    let digits = distinguishing_digits(low, high);
     format!(
         "95 % {} to {}",
         significant(low, digits),

@@ -7,9 +7,9 @@ use super::flat::Table;
 use super::schema::{Field, Layout};
 use crate::budget::Budget;
 use crate::bytes::{Number, bits, signed};
+use crate::column_builder::{ColumnBuilder, Meaning};
+use crate::compression::Compression;
 use crate::fault::Fault;
-use crate::gathered::{Gathered, Meaning};
-use crate::packing::Packing;
 
 /// The values of dictionary-encoded columns, by the id of the dictionary.
 pub(super) type Dictionaries = BTreeMap<i64, Vec<Value>>;
@@ -33,7 +33,7 @@ pub(super) struct Batch<'a, 'b> {
     buffers: Vec<(i64, i64)>,
     /// Number of text buffers of each column of views.
     views: Vec<i64>,
-    packing: Option<Packing>,
+    packing: Option<Compression>,
     dictionaries: &'b Dictionaries,
     /// Bytes of the budget that are given back after the batch.
     unpacked: u64,
@@ -41,11 +41,11 @@ pub(super) struct Batch<'a, 'b> {
 
 /// Validity bitmaps of a column and of the structures around it.
 #[derive(Clone, Default)]
-struct Present<'a> {
+struct Validity<'a> {
     masks: Vec<Cow<'a, [u8]>>,
 }
 
-impl Present<'_> {
+impl Validity<'_> {
     fn is(&self, row: usize) -> bool {
         let set = |mask: &Cow<[u8]>| mask.get(row / 8).is_none_or(|b| b >> (row % 8) & 1 == 1);
         self.masks.iter().all(set)
@@ -62,8 +62,8 @@ impl<'a, 'b> Batch<'a, 'b> {
         let packing = match batch.table(3)? {
             None => None,
             Some(packing) => Some(match packing.whole(0, 1, 0)? {
-                0 => Packing::Lz4,
-                1 => Packing::Zstd,
+                0 => Compression::Lz4,
+                1 => Compression::Zstd,
                 _ => return Err(Fault::damaged("it is packed in an unknown way")),
             }),
         };
@@ -92,7 +92,7 @@ impl<'a, 'b> Batch<'a, 'b> {
     }
 
     /// Bytes to give back once the batch is read.
-    pub(super) fn given_back(&self) -> u64 {
+    pub(super) fn temporary_bytes(&self) -> u64 {
         self.unpacked
     }
 
@@ -100,12 +100,12 @@ impl<'a, 'b> Batch<'a, 'b> {
     pub(super) fn columns(
         &mut self,
         fields: &[Field],
-        out: &mut [(String, Option<Gathered>)],
+        out: &mut [(String, Option<ColumnBuilder>)],
         budget: &mut Budget,
     ) -> Result<(), Fault> {
         let mut next = out.iter_mut();
         for field in fields {
-            self.column(field, &Present::default(), &mut next, budget)?;
+            self.column(field, &Validity::default(), &mut next, budget)?;
         }
         Ok(())
     }
@@ -113,8 +113,8 @@ impl<'a, 'b> Batch<'a, 'b> {
     fn column<'o>(
         &mut self,
         field: &Field,
-        inside: &Present<'a>,
-        out: &mut impl Iterator<Item = &'o mut (String, Option<Gathered>)>,
+        inside: &Validity<'a>,
+        out: &mut impl Iterator<Item = &'o mut (String, Option<ColumnBuilder>)>,
         budget: &mut Budget,
     ) -> Result<(), Fault> {
         let within = |fault: Fault| fault.within(&field.name);
@@ -166,7 +166,7 @@ impl<'a, 'b> Batch<'a, 'b> {
     fn values(
         &mut self,
         field: &Field,
-        inside: &Present<'a>,
+        inside: &Validity<'a>,
         mut take: impl FnMut(Value, &mut Budget) -> Result<(), Fault>,
         budget: &mut Budget,
     ) -> Result<(), Fault> {
@@ -207,7 +207,7 @@ impl<'a, 'b> Batch<'a, 'b> {
             Layout::Bits => {
                 let bytes = self.buffer(budget)?;
                 long_enough(&bytes, rows.div_ceil(8))?;
-                let set = Present { masks: vec![bytes] };
+                let set = Validity { masks: vec![bytes] };
                 for row in 0..rows {
                     let bit = f64::from(u8::from(set.is(row)));
                     let value = if present.is(row) {
@@ -219,7 +219,7 @@ impl<'a, 'b> Batch<'a, 'b> {
                 }
             }
             Layout::Text(offset) => self.texts(rows, offset, &present, take, budget)?,
-            Layout::Views => self.viewed(rows, &present, take, budget)?,
+            Layout::Views => self.view_texts(rows, &present, take, budget)?,
             Layout::Structure | Layout::Nothing | Layout::Other { .. } => {}
         }
         Ok(())
@@ -230,7 +230,7 @@ impl<'a, 'b> Batch<'a, 'b> {
         &mut self,
         rows: usize,
         offset: Number,
-        present: &Present,
+        present: &Validity,
         mut take: impl FnMut(Value, &mut Budget) -> Result<(), Fault>,
         budget: &mut Budget,
     ) -> Result<(), Fault> {
@@ -254,10 +254,10 @@ impl<'a, 'b> Batch<'a, 'b> {
     }
 
     /// Texts of views: up to twelve bytes are in the view itself, longer ones in one of several buffers.
-    fn viewed(
+    fn view_texts(
         &mut self,
         rows: usize,
-        present: &Present,
+        present: &Validity,
         mut take: impl FnMut(Value, &mut Budget) -> Result<(), Fault>,
         budget: &mut Budget,
     ) -> Result<(), Fault> {
@@ -298,9 +298,9 @@ impl<'a, 'b> Batch<'a, 'b> {
     fn mask(
         &mut self,
         rows: usize,
-        inside: &Present<'a>,
+        inside: &Validity<'a>,
         budget: &mut Budget,
-    ) -> Result<Present<'a>, Fault> {
+    ) -> Result<Validity<'a>, Fault> {
         let mut present = inside.clone();
         let mask = self.buffer(budget)?;
         if !mask.is_empty() {
@@ -363,7 +363,7 @@ pub(super) fn all_values(
         out.push(value);
         Ok(())
     };
-    batch.values(field, &Present::default(), keep, budget)
+    batch.values(field, &Validity::default(), keep, budget)
 }
 
 fn as_text(word: &[u8], is_there: bool) -> Value {
@@ -373,7 +373,7 @@ fn as_text(word: &[u8], is_there: bool) -> Value {
     }
 }
 
-fn gather(gathered: &mut Gathered, value: Value, budget: &mut Budget) -> Result<(), Fault> {
+fn gather(gathered: &mut ColumnBuilder, value: Value, budget: &mut Budget) -> Result<(), Fault> {
     match value {
         Value::None => gathered.missing(),
         Value::Number(number) => gathered.number(Some(number)),

@@ -9,8 +9,8 @@ mod schema;
 
 use crate::budget::Budget;
 use crate::bytes::Bytes;
+use crate::column_builder::ColumnBuilder;
 use crate::fault::Fault;
-use crate::gathered::Gathered;
 use crate::kind::ARROW;
 use crate::variables::{Content, Variable};
 use batch::{Batch, Dictionaries};
@@ -31,7 +31,7 @@ struct Reader {
     fields: Vec<Field>,
     dictionaries: Dictionaries,
     /// Every column by its name; `None` if it is not read.
-    columns: Vec<(String, Option<Gathered>)>,
+    columns: Vec<(String, Option<ColumnBuilder>)>,
 }
 
 /// Every column of a file or a stream.
@@ -134,14 +134,14 @@ impl Reader {
     fn rows(&mut self, header: Table, body: &[u8], budget: &mut Budget) -> Result<(), Fault> {
         let mut batch = Batch::new(header, body, &self.dictionaries, budget)?;
         batch.columns(&self.fields, &mut self.columns, budget)?;
-        budget.give(batch.given_back());
+        budget.give(batch.temporary_bytes());
         Ok(())
     }
 
     /// The dictionary of a column, or more of it.
     fn dictionary(&mut self, header: Table, body: &[u8], budget: &mut Budget) -> Result<(), Fault> {
         let number = header.whole(0, 8, 0)?;
-        let Some(field) = looked_up_in(&self.fields, number) else {
+        let Some(field) = field_of_dictionary(&self.fields, number) else {
             return Ok(());
         };
         let is_more = header.whole(2, 1, 0)? != 0;
@@ -158,7 +158,7 @@ impl Reader {
         };
         let mut batch = Batch::new(header.needed(1)?, body, &self.dictionaries, budget)?;
         batch::all_values(&mut batch, &of_values, &mut values, budget)?;
-        budget.give(batch.given_back());
+        budget.give(batch.temporary_bytes());
         self.dictionaries.insert(number, values);
         Ok(())
     }
@@ -169,27 +169,27 @@ impl Reader {
         columns
             .map(|(name, gathered)| Variable {
                 name,
-                content: gathered.map_or_else(other, Gathered::content),
+                content: gathered.map_or_else(other, ColumnBuilder::content),
             })
             .collect()
     }
 }
 
 /// Adds the columns of a field.
-fn add(field: &Field, out: &mut Vec<(String, Option<Gathered>)>) {
+fn add(field: &Field, out: &mut Vec<(String, Option<ColumnBuilder>)>) {
     match field.layout {
         Layout::Structure if field.dictionary.is_none() => {
             field.children.iter().for_each(|child| add(child, out));
         }
         Layout::Other { .. } | Layout::Structure => out.push((field.name.clone(), None)),
-        _ => out.push((field.name.clone(), Some(Gathered::new(field.meaning)))),
+        _ => out.push((field.name.clone(), Some(ColumnBuilder::new(field.meaning)))),
     }
 }
 
 /// The field whose values are in the dictionary of this id.
-fn looked_up_in(fields: &[Field], number: i64) -> Option<&Field> {
+fn field_of_dictionary(fields: &[Field], number: i64) -> Option<&Field> {
     fields.iter().find_map(|field| match field.dictionary {
         Some((own, _)) if own == number => Some(field),
-        _ => looked_up_in(&field.children, number),
+        _ => field_of_dictionary(&field.children, number),
     })
 }

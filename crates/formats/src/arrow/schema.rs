@@ -2,8 +2,8 @@
 
 use super::flat::Table;
 use crate::bytes::Number;
+use crate::column_builder::Meaning;
 use crate::fault::Fault;
-use crate::gathered::Meaning;
 use sidc_data::Limits;
 
 /// A column, or a structure of several.
@@ -174,12 +174,12 @@ fn kind(field: Table) -> Result<(Layout, Meaning), Fault> {
         13 => (Layout::Structure, plain),
         20 => (Layout::Text(Number::Signed(8)), Meaning::Text),
         24 => (Layout::Views, Meaning::Text),
-        _ => (no_column(tag, field)?, plain),
+        _ => (skipped_layout(tag, field)?, plain),
     })
 }
 
 /// The buffers of a column that is not read.
-fn no_column(tag: i64, field: Table) -> Result<Layout, Fault> {
+fn skipped_layout(tag: i64, field: Table) -> Result<Layout, Fault> {
     Ok(match tag {
         4 | 19 => other(3),
         7 | 11 | 12 | 15 | 17 | 21 => other(2),

@@ -98,7 +98,7 @@ impl Walk<'_> {
             return Ok(Content::Other(other));
         }
         let kind = array.dtype().map_err(damaged)?;
-        if let Some(other) = no_column(&kind) {
+        if let Some(other) = skipped_layout(&kind) {
             return Ok(Content::Other(other.into()));
         }
         let shape = array.shape().map_err(damaged)?;
@@ -142,7 +142,7 @@ fn no_numbers(class: &AttrValue) -> Option<String> {
     }
 }
 
-fn no_column(kind: &DType) -> Option<&'static str> {
+fn skipped_layout(kind: &DType) -> Option<&'static str> {
     match kind {
         DType::F32 | DType::F64 | DType::I8 | DType::I16 | DType::I32 | DType::I64 => None,
         DType::U8 | DType::U16 | DType::U32 | DType::U64 | DType::Enum(_) => None,

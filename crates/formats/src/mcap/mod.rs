@@ -14,9 +14,9 @@ use sidc_data::Topic;
 
 use crate::budget::Budget;
 use crate::bytes::Bytes;
+use crate::compression::Compression;
 use crate::fault::Fault;
 use crate::kind::MCAP;
-use crate::packing::Packing;
 use crate::topics::{Logged, Messages};
 use definition::{Definitions, Dialect};
 
@@ -221,11 +221,11 @@ fn serialized(dialect: Dialect, schema: &Schema) -> Encoding {
 }
 
 /// `None` if the bytes are not packed.
-fn packing(name: &str) -> Result<Option<Packing>, Fault> {
+fn packing(name: &str) -> Result<Option<Compression>, Fault> {
     match name {
         "" => Ok(None),
-        "lz4" => Ok(Some(Packing::Lz4)),
-        "zstd" => Ok(Some(Packing::Zstd)),
+        "lz4" => Ok(Some(Compression::Lz4)),
+        "zstd" => Ok(Some(Compression::Zstd)),
         other => {
             let text = format!("a log packed by {other}");
             Err(Fault::unsupported(text).help("pack it by lz4 or zstd: mcap compress"))

@@ -5,8 +5,8 @@ use parquet::data_type::{AsBytes, DataType};
 
 use crate::budget::Budget;
 use crate::bytes::Number;
+use crate::column_builder::{ColumnBuilder, Meaning};
 use crate::fault::Fault;
-use crate::gathered::{Gathered, Meaning};
 
 /// Rows that are decoded at once.
 const BATCH: usize = 1 << 16;
@@ -16,7 +16,7 @@ const BATCH: usize = 1 << 16;
 /// # Errors
 /// Damage; texts that take more memory than is left.
 pub(super) fn read(
-    gathered: &mut Gathered,
+    gathered: &mut ColumnBuilder,
     reader: ColumnReader,
     present: i16,
     rows: u64,

@@ -10,8 +10,8 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
 
 use crate::budget::Budget;
+use crate::column_builder::{ColumnBuilder, Meaning};
 use crate::fault::Fault;
-use crate::gathered::{Gathered, Meaning};
 use crate::variables::{Content, Variable};
 use column::damaged;
 use sidc_data::Limits;
@@ -62,7 +62,7 @@ fn columns(bytes: Vec<u8>, budget: &mut Budget, limits: &Limits) -> Result<Vec<V
             Some(meaning) => {
                 // Row groups are read only up to the number of rows that the file states.
                 budget.take(rows, 16)?;
-                let mut gathered = Gathered::new(meaning);
+                let mut gathered = ColumnBuilder::new(meaning);
                 for group in 0..metadata.num_row_groups() {
                     let group = file.get_row_group(group).map_err(|e| damaged(&e))?;
                     let reader = group.get_column_reader(place).map_err(|e| damaged(&e))?;

@@ -21,14 +21,14 @@ pub struct Checker<'a> {
     /// Nodes so far with every `let` written out.
     pub written: usize,
     /// The names of all functions that the model defines.
-    pub own_names: BTreeSet<String>,
+    pub own_function_names: BTreeSet<String>,
     /// The functions that are defined so far.
     pub functions: BTreeMap<String, OwnFunction<'a>>,
     pub used_functions: BTreeSet<String>,
     /// The arguments of the functions whose bodies are being read, the innermost last.
     pub arguments: Vec<Arguments>,
     /// Codes and places of errors in function bodies, so that each is reported once.
-    pub told_in_calls: BTreeSet<(&'static str, Option<Span>)>,
+    pub reported_in_calls: BTreeSet<(&'static str, Option<Span>)>,
 }
 
 impl<'a> Checker<'a> {

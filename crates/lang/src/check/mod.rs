@@ -52,11 +52,11 @@ fn check_equations(file: &File, vocabulary: &Vocabulary) -> (Option<Model>, Vec<
         found: Vec::new(),
         reported: BTreeSet::new(),
         written: 0,
-        own_names: BTreeSet::new(),
+        own_function_names: BTreeSet::new(),
         functions: BTreeMap::new(),
         used_functions: BTreeSet::new(),
         arguments: Vec::new(),
-        told_in_calls: BTreeSet::new(),
+        reported_in_calls: BTreeSet::new(),
     };
     c.headers();
     c.function_names();
@@ -148,7 +148,7 @@ impl<'a> Checker<'a> {
             return;
         }
         if !self.found.iter().any(Diagnostic::is_error) && self.file.broken.is_empty() {
-            let notes = errors::loose_ends(model, &self.scope);
+            let notes = errors::unused_declarations(model, &self.scope);
             let idle = self.functions.iter();
             let idle = idle.filter(|(name, _)| !self.used_functions.contains(*name));
             let idle = idle.map(|(name, f)| errors::unused(f.span, name, false));

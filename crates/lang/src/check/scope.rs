@@ -23,7 +23,7 @@ pub struct Scope {
     /// Where the model first uses discrete time (`next`, `lag`).
     pub discrete: Option<Span>,
     /// Names that broken statements would have declared.
-    pub poisoned: BTreeSet<String>,
+    pub broken_names: BTreeSet<String>,
     /// Whether a missing file may have declared any name.
     pub incomplete: bool,
     pub used_vars: BTreeSet<VarId>,
@@ -81,13 +81,13 @@ impl Scope {
     }
 
     /// True if a broken statement or a missing file may have declared this name.
-    pub fn is_poisoned(&self, text: &str) -> bool {
+    pub fn may_be_declared(&self, text: &str) -> bool {
         if self.incomplete {
             return true;
         }
         let mut base = text.trim_end_matches('\'');
         loop {
-            if self.poisoned.contains(base) {
+            if self.broken_names.contains(base) {
                 return true;
             }
             match base.strip_prefix('d') {

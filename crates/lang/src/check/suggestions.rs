@@ -101,7 +101,7 @@ impl Checker<'_> {
     }
 
     /// A declared name with this stem, to suggest for `x[k]`.
-    pub fn example_of_row(&self, name: &str, index: &Ast) -> String {
+    pub fn example_indexed_name(&self, name: &str, index: &Ast) -> String {
         let meant = format!("{name}{}", self.text(index.span));
         let rest = self.scope.signals.range(name.to_string()..);
         let numbered = |n: &str| {

@@ -44,7 +44,7 @@ impl Checker<'_> {
             }
             _ => return Undeclared::Other,
         };
-        if self.bends(right, at) {
+        if self.is_nonlinear(right, at) {
             return Undeclared::InsideTerm;
         }
         let (Some(first), Some(last)) = (targets.first(), targets.last()) else {
@@ -100,7 +100,7 @@ impl Checker<'_> {
 
     /// Whether the name at this place stands with a declared one inside an argument, a divisor or a power, where a number is not a
     /// coefficient.
-    fn bends(&self, e: &Ast, at: Span) -> bool {
+    fn is_nonlinear(&self, e: &Ast, at: Span) -> bool {
         let Some(inner) = child_with(e, at) else {
             return false;
         };
@@ -113,7 +113,7 @@ impl Checker<'_> {
             }
             _ => None,
         };
-        around.is_some_and(|a| self.mentions_declared(a)) || self.bends(inner, at)
+        around.is_some_and(|a| self.mentions_declared(a)) || self.is_nonlinear(inner, at)
     }
 
     fn mentions_declared(&self, e: &Ast) -> bool {

@@ -9,7 +9,7 @@ use crate::check::undeclared_constants::Undeclared;
 use crate::diagnostic::{Diagnostic, Edit, Fix, did_you_mean};
 use crate::model::VarKind;
 use crate::parse::confusables;
-use crate::parse::foreign_spellings::functions::{self, Meant};
+use crate::parse::foreign_spellings::functions::{self, Translation};
 use crate::source::Span;
 use crate::term::FUNCTIONS;
 use crate::thresholds::MESSAGES;
@@ -47,7 +47,7 @@ impl Checker<'_> {
             let last = self.last_param(at);
             return self.fail(errors::argument_differentiated(at, plain, last));
         }
-        if self.scope.is_poisoned(text) || !self.reported.insert(text.to_string()) {
+        if self.scope.may_be_declared(text) || !self.reported.insert(text.to_string()) {
             return None;
         }
         if self.reported.len() > MESSAGES.unknown_names {
@@ -286,7 +286,7 @@ impl Checker<'_> {
                 &format!("the library `{name}(…)`"),
             ));
         }
-        if self.scope.is_poisoned(name) {
+        if self.scope.may_be_declared(name) {
             return None;
         }
         if self.is_declared(name) {
@@ -385,7 +385,7 @@ impl Checker<'_> {
         })
     }
 
-    fn foreign_function(&self, call: &Call) -> Option<Meant> {
+    fn foreign_function(&self, call: &Call) -> Option<Translation> {
         let texts: Vec<&str> = call.args.iter().map(|a| self.text(a.span)).collect();
         functions::function(&call.name.text, &texts)
     }

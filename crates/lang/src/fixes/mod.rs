@@ -22,8 +22,8 @@ pub fn complete(found: &mut [Diagnostic], file: &File) {
     let texts = [file.id]
         .into_iter()
         .chain(file.included.iter().map(|(id, _)| *id));
-    let texts: BTreeMap<FileId, Surroundings> =
-        texts.map(|id| (id, Surroundings::of(file, id))).collect();
+    let texts: BTreeMap<FileId, FixBuilder> =
+        texts.map(|id| (id, FixBuilder::of(file, id))).collect();
     for d in found.iter_mut().filter(|d| !d.edits.is_empty()).take(MOST) {
         let place = d.labels.iter().find(|l| l.primary).map(|l| l.span.file);
         let Some(surroundings) = place.and_then(|id| texts.get(&id)) else {
@@ -36,7 +36,7 @@ pub fn complete(found: &mut [Diagnostic], file: &File) {
 }
 
 /// One of the texts of a model.
-struct Surroundings<'a> {
+struct FixBuilder<'a> {
     file: &'a File,
     id: FileId,
     whole: &'a str,
@@ -44,9 +44,9 @@ struct Surroundings<'a> {
     words: OnceCell<BTreeSet<&'a str>>,
 }
 
-impl<'a> Surroundings<'a> {
-    fn of(file: &'a File, id: FileId) -> Surroundings<'a> {
-        Surroundings {
+impl<'a> FixBuilder<'a> {
+    fn of(file: &'a File, id: FileId) -> FixBuilder<'a> {
+        FixBuilder {
             file,
             id,
             whole: file.text_of(id),

@@ -2,12 +2,12 @@
 //!
 //! In: a place. Out: the change that removes what the place belongs to.
 
-use super::{Surroundings, said};
+use super::{FixBuilder, said};
 use crate::ast::{Attribute, Call, Expr, ExprKind, Sign, StatementKind};
 use crate::diagnostic::Fix;
 use crate::source::Span;
 
-impl Surroundings<'_> {
+impl FixBuilder<'_> {
     /// Removes the attribute, name, argument, entry or term at a place, or else its statement.
     pub fn without(&self, at: Span) -> Option<Fix> {
         let Some(s) = self.statement(at) else {

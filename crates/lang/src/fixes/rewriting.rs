@@ -3,13 +3,13 @@
 //! In: places. Out: the changes of the text, to be made together.
 
 use super::removal::{attribute_span, is_generator};
-use super::{LONGEST, Surroundings, said};
+use super::{FixBuilder, LONGEST, said};
 use crate::ast::{Expr, ExprKind, Side, Sign, StatementKind};
 use crate::diagnostic::Fix;
 use crate::parse::lexer::{Token, TokenKind, tokenize};
 use crate::source::Span;
 
-impl Surroundings<'_> {
+impl FixBuilder<'_> {
     pub fn with_attribute(&self, at: Span, key: &str, said: &str) -> Option<Fix> {
         let attributes = self.attributes(at)?;
         if let Some(before) = attributes.iter().find(|a| a.key.text == key) {

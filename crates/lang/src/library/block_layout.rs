@@ -215,7 +215,7 @@ impl Layout<'_> {
 
     /// One block for each pair of parities whose product is the parity of the target.
     fn blocks_of(&self, sides: &Sides) -> Result<Vec<Block>, LimitExceeded> {
-        let (left, right) = (self.by_signs(&sides.left)?, self.by_signs(&sides.right)?);
+        let (left, right) = (self.by_parity(&sides.left)?, self.by_parity(&sides.right)?);
         let mut blocks = Vec::new();
         for (signs, left) in left {
             let fits =
@@ -229,7 +229,7 @@ impl Layout<'_> {
     }
 
     /// Products of one term of each list by their parities, each group sorted by degree, then term.
-    fn by_signs(
+    fn by_parity(
         &self,
         lists: &[Arc<TermList>],
     ) -> Result<Vec<(ParityBits, Vec<Term>)>, LimitExceeded> {

@@ -76,7 +76,7 @@ impl<'a> Expansion<'a> {
                 return self.fail(library_errors::too_large(e.span, terms, bytes, self.share));
             }
             Err(LayoutError::LimitExceeded(why)) => {
-                return self.fail(library_errors::unwieldy(e.span, why));
+                return self.fail(library_errors::limit_exceeded(e.span, why));
             }
         };
         let Some(by) = restrictions(self.model) else {
@@ -192,7 +192,10 @@ impl<'a> Expansion<'a> {
             return self.made(span, monomials(&factors(&atoms), exponents));
         }
         if count > LIBRARY.listed_terms {
-            return self.fail(library_errors::unwieldy(span, LimitExceeded::List(count)));
+            return self.fail(library_errors::limit_exceeded(
+                span,
+                LimitExceeded::List(count),
+            ));
         }
         match generator.expand(&atoms, numbers) {
             Ok(terms) => Some(TermSet::of(terms)),
@@ -295,7 +298,7 @@ impl<'a> Expansion<'a> {
     fn made<T>(&mut self, span: Span, made: Result<T, LimitExceeded>) -> Option<T> {
         match made {
             Ok(made) => Some(made),
-            Err(why) => self.fail(library_errors::unwieldy(span, why)),
+            Err(why) => self.fail(library_errors::limit_exceeded(span, why)),
         }
     }
 

@@ -29,7 +29,7 @@ pub(crate) fn too_large(span: Span, terms: u128, bytes: u128, share: MemoryShare
 }
 
 /// A set that does not stay a union of products of short lists.
-pub(crate) fn unwieldy(span: Span, why: LimitExceeded) -> Diagnostic {
+pub(crate) fn limit_exceeded(span: Span, why: LimitExceeded) -> Diagnostic {
     match why {
         LimitExceeded::List(count) => Diagnostic::error(
             "library-too-large",

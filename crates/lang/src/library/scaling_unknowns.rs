@@ -11,7 +11,7 @@ use crate::term::{Atom, Language, Signal, Term};
 pub fn scaling_unknowns(model: &Model, library: &Library) -> Vec<Diagnostic> {
     let one = |unknown: &UnknownConstant| {
         let signal = Signal::new(unknown.var);
-        if unknown.per_run && is_fixed_elsewhere(model, library, signal) {
+        if unknown.per_run && is_identifiable_elsewhere(model, library, signal) {
             return None;
         }
         let scales = |t: &&Term| t.factors().any(|(a, _)| *a == Atom::Signal(signal));
@@ -50,7 +50,7 @@ pub fn scaling_unknowns(model: &Model, library: &Library) -> Vec<Diagnostic> {
 }
 
 /// Whether a constant occurs in a known part or inside a factor. If it differs from run to run, it is then more than a coefficient by run.
-fn is_fixed_elsewhere(model: &Model, library: &Library, signal: Signal) -> bool {
+fn is_identifiable_elsewhere(model: &Model, library: &Library, signal: Signal) -> bool {
     let known = model.equations.iter().any(|e| match &e.right {
         RightSide::Known(e) => e.mentions(signal),
         RightSide::Search { known, .. } => known.iter().any(|(e, _)| e.mentions(signal)),

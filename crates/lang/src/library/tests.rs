@@ -148,18 +148,25 @@ fn expression() -> impl Strategy<Value = LibExpr> {
 }
 
 /// The same set, term by term; `None` where expansion must fail, and for sets that would take too long.
-fn brute(e: &LibExpr) -> Option<BTreeSet<Term>> {
+fn expand_by_brute_force(e: &LibExpr) -> Option<BTreeSet<Term>> {
     let made: BTreeSet<Term> = match &e.kind {
         LibKind::Term(x) => [x.clone().into_term().1].into(),
-        LibKind::List(items) => items.iter().filter_map(brute).flatten().collect(),
-        LibKind::Union(a, b) => brute(a)?.union(&brute(b)?).cloned().collect(),
+        LibKind::List(items) => items
+            .iter()
+            .filter_map(expand_by_brute_force)
+            .flatten()
+            .collect(),
+        LibKind::Union(a, b) => expand_by_brute_force(a)?
+            .union(&expand_by_brute_force(b)?)
+            .cloned()
+            .collect(),
         LibKind::Product(a, b) | LibKind::Quotient(a, b) => {
             let power = if matches!(e.kind, LibKind::Quotient(..)) {
                 -1.0
             } else {
                 1.0
             };
-            let (a, b) = (brute(a)?, brute(b)?);
+            let (a, b) = (expand_by_brute_force(a)?, expand_by_brute_force(b)?);
             if a.len() * b.len() > 30_000 {
                 return None;
             }
@@ -169,7 +176,7 @@ fn brute(e: &LibExpr) -> Option<BTreeSet<Term>> {
                 .collect()
         }
         LibKind::Difference(a, b) => {
-            let (a, b) = (brute(a)?, brute(b)?);
+            let (a, b) = (expand_by_brute_force(a)?, expand_by_brute_force(b)?);
             if a.is_disjoint(&b) && !b.contains(&Term::signal(TARGET)) {
                 return None;
             }
@@ -181,7 +188,7 @@ fn brute(e: &LibExpr) -> Option<BTreeSet<Term>> {
             numbers,
             ..
         } => {
-            let args = args.iter().filter_map(brute).flatten();
+            let args = args.iter().filter_map(expand_by_brute_force).flatten();
             let mut atoms: Vec<Expr> = args
                 .map(Expr::from)
                 .filter(|a| *a != Expr::signal(TARGET))
@@ -262,7 +269,7 @@ fn identities(all: &BTreeSet<Term>) -> usize {
 }
 
 fn compare(model: &Model, e: &LibExpr) -> Result<(), TestCaseError> {
-    let Some(mut all) = brute(e) else {
+    let Some(mut all) = expand_by_brute_force(e) else {
         return Ok(());
     };
     all.remove(&Term::signal(TARGET));

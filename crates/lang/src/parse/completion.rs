@@ -11,7 +11,7 @@ use crate::parse::token::TokenKind;
 use crate::source::Span;
 
 /// Largest number of tokens in a statement that can be deleted without loss.
-pub const STUB: usize = 4;
+pub const MAX_STUB_TOKENS: usize = 4;
 
 pub fn completed(s: &FailurePoint, rule: Rule, d: Diagnostic, example: &str) -> Diagnostic {
     let ours = dangling_operator(s)
@@ -23,7 +23,7 @@ pub fn completed(s: &FailurePoint, rule: Rule, d: Diagnostic, example: &str) -> 
             changes.into_iter().fold(d, |d, (at, new)| d.fix(at, new))
         }
         None if example.is_empty() => d,
-        None if s.tokens.len() <= STUB => d
+        None if s.tokens.len() <= MAX_STUB_TOKENS => d
             .help(format!(
                 "the form is `{example}`: complete it, or delete the line"
             ))
@@ -131,7 +131,7 @@ fn sought(s: &FailurePoint) -> Option<Completion> {
     if s.found().is_some() || !s.before(1)?.is("~") {
         return None;
     }
-    let ours = format!("poly({}; 3)", underived(target.text));
+    let ours = format!("poly({}; 3)", base_name(target.text));
     let help = format!("write what may explain it: `{} {ours}`", s.phrase(0, s.at));
     Some((help, vec![(s.whole().after(), format!(" {ours}"))]))
 }
@@ -143,7 +143,7 @@ fn equation_below(s: &FailurePoint) -> Option<Completion> {
     let right = (s.at + 1)..s.tokens.len();
     let mut names =
         right.filter(|i| s.get(*i).is_some_and(|t| t.kind == TokenKind::Name) && !called(*i));
-    let target = format!("d{}", underived(s.get(names.next()?)?.text));
+    let target = format!("d{}", base_name(s.get(names.next()?)?.text));
     let help = format!(
         "an equation begins with its target: `{target} {} …`",
         found.text
@@ -170,7 +170,7 @@ fn named_argument(s: &FailurePoint) -> Option<Completion> {
 }
 
 /// The `x` of `ddx`, `x'` or `x`.
-fn underived(name: &str) -> &str {
+fn base_name(name: &str) -> &str {
     let name = name.trim_end_matches('\'');
     let base = name.trim_start_matches('d');
     if base.is_empty() { name } else { base }

@@ -10,9 +10,9 @@ use pest::error::{Error, ErrorVariant, InputLocation};
 use crate::ast::ATTRIBUTES;
 use crate::ast::{KEYWORDS, Keyword};
 use crate::diagnostic::{Diagnostic, Edit, did_you_mean};
-use crate::parse::completion::{STUB, completed, symmetry_line};
+use crate::parse::completion::{MAX_STUB_TOKENS, completed, symmetry_line};
 use crate::parse::failure_point::FailurePoint;
-use crate::parse::foreign_spellings::punctuation::{Stumble, punctuation};
+use crate::parse::foreign_spellings::punctuation::{PunctuationError, punctuation};
 use crate::parse::grammar::Rule;
 use crate::parse::lexer::{Token, TokenKind};
 use crate::parse::syntax_errors;
@@ -34,7 +34,7 @@ pub fn explain(
         .iter()
         .position(|t| t.end > offset)
         .unwrap_or(tokens.len());
-    let stumble = Stumble {
+    let stumble = PunctuationError {
         file,
         text,
         tokens: &tokens,
@@ -72,7 +72,7 @@ impl<'t> FailurePoint<'_, 't> {
                 Some(keyword) => error
                     .help(format!("did you mean `{keyword}`?"))
                     .fix(first.span(self.file), keyword),
-                None if self.tokens.len() > STUB => {
+                None if self.tokens.len() > MAX_STUB_TOKENS => {
                     error.help("an equation has a `~`: `dx ~ poly(x; 3)`")
                 }
                 None => error

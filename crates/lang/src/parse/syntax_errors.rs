@@ -4,7 +4,7 @@
 
 use crate::ast::KEYWORDS;
 use crate::diagnostic::Diagnostic;
-use crate::source::{Span, is_unseen};
+use crate::source::{Span, is_invisible};
 
 pub fn unclosed_quote(at: Span, text: &str) -> Diagnostic {
     // A brace at the end of the line closes the data block, and is not part of a header.
@@ -120,7 +120,7 @@ pub fn index(at: Span, whole: Span, ours: String) -> Diagnostic {
 }
 
 pub fn strange_character(at: Span, c: char) -> Diagnostic {
-    let shown = if is_unseen(c) {
+    let shown = if is_invisible(c) {
         format!("U+{:04X}", c as u32)
     } else {
         c.to_string()

@@ -91,7 +91,7 @@ fn write_all<W: WriteColor>(
         }
     }
     let text = String::from_utf8_lossy(&into_bytes(out)).into_owned();
-    tighten(&text)
+    drop_empty_borders(&text)
 }
 
 fn convert(d: &Diagnostic, sources: &Sources) -> report::Diagnostic<FileId> {
@@ -179,7 +179,7 @@ fn wrap(lead: &str, text: &str) -> String {
 }
 
 /// Drops the empty border lines above and below an excerpt.
-fn tighten(text: &str) -> String {
+fn drop_empty_borders(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for line in text.lines() {
         if plain(line).trim() != "│" {

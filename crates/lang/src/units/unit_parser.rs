@@ -65,7 +65,7 @@ pub fn parse(text: &str) -> Result<(Unit, Vec<Misspelling>), UnitSyntaxError> {
         text,
         at: 0,
         nested: 0,
-        suspects: Vec::new(),
+        misspellings: Vec::new(),
     };
     reader.spaces();
     if reader.peek().is_none() {
@@ -73,7 +73,7 @@ pub fn parse(text: &str) -> Result<(Unit, Vec<Misspelling>), UnitSyntaxError> {
     }
     let unit = reader.quotient()?;
     match reader.peek() {
-        None => Ok((unit, reader.suspects)),
+        None => Ok((unit, reader.misspellings)),
         Some(_) => Err(reader.stray()),
     }
 }
@@ -93,7 +93,7 @@ struct Parser<'t> {
     text: &'t str,
     at: usize,
     nested: usize,
-    suspects: Vec<Misspelling>,
+    misspellings: Vec<Misspelling>,
 }
 
 const SUPERSCRIPTS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
@@ -261,7 +261,7 @@ impl<'t> Parser<'t> {
             return unit;
         }
         if let Some(meant) = likely_meant(text) {
-            self.suspects.push(Misspelling {
+            self.misspellings.push(Misspelling {
                 at: start..self.at,
                 word: text.into(),
                 meant,

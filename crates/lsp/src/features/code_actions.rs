@@ -40,7 +40,7 @@ pub fn actions(document: &Document, uri: &Uri, range: Range) -> Vec<CodeActionOr
         kind: Some(CodeActionKind::QUICKFIX),
         diagnostics: Some(vec![diagnostics::diagnostic(document, uri, d)]),
         edit: Some(edit(document, uri, fix)),
-        is_preferred: Some(d.fixes.len() == 1 && !loses_line(document, fix)),
+        is_preferred: Some(d.fixes.len() == 1 && !deletes_line(document, fix)),
         ..CodeAction::default()
     });
     actions.map(CodeActionOrCommand::from).collect()
@@ -57,7 +57,7 @@ fn edit(document: &Document, uri: &Uri, fix: &Fix) -> WorkspaceEdit {
 }
 
 /// Whether the fix deletes a line, which nobody wants unasked.
-fn loses_line(document: &Document, fix: &Fix) -> bool {
+fn deletes_line(document: &Document, fix: &Fix) -> bool {
     let old = document.slice(fix.span.start..fix.span.end);
     fix.text.is_empty() && old.contains('\n')
 }

@@ -11,9 +11,9 @@ use crate::{Folder, TableHeader, serve};
 pub const URI: &str = "file:///models/model.sid";
 
 /// Two tables in the folder of every model.
-pub struct Beside;
+pub struct DocumentContext;
 
-impl Folder for Beside {
+impl Folder for DocumentContext {
     fn tables(&self, _: &str) -> Vec<TableHeader> {
         let table = |file: &str, columns: &[&str]| TableHeader {
             file: file.into(),
@@ -48,7 +48,7 @@ impl Session {
     /// An editor that offers these position encodings and supports snippets.
     pub fn new(encodings: &[&str]) -> Session {
         let (server, connection) = Connection::memory();
-        let thread = std::thread::spawn(move || serve(&server, &Beside).unwrap());
+        let thread = std::thread::spawn(move || serve(&server, &DocumentContext).unwrap());
         let mut session = Session {
             connection,
             server: Some(thread),

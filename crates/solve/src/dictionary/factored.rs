@@ -53,21 +53,11 @@ impl Factored {
     /// The first column, not in an empty slot, that is not finite.
     pub fn new(
         rows: usize,
-        [left, right]: [Vec<f64>; 2],
+        factors: [Vec<f64>; 2],
         blocks: Vec<Block>,
         empty: &[usize],
     ) -> Result<Factored, NotFinite> {
-        let scales = [&left, &right].map(|factors| tiles::scales(factors, rows));
-        let mut factored = Factored {
-            rows,
-            scaled_right: tiles::scaled(&right, &scales[1], rows, &blocks),
-            left,
-            right,
-            scales,
-            blocks,
-            lengths: Vec::new(),
-            is_finite: true,
-        };
+        let mut factored = Factored::unmeasured(rows, factors, blocks);
         let mut lengths = vec![0.0; factored.blocks.iter().map(Block::slots).sum()];
         let measured = factored.measure(factored.threads(), empty, &mut lengths);
         let is_finite = measured.map_err(|slot| factored.not_finite(slot))?;

@@ -10,6 +10,7 @@ mod hidden_states;
 mod identifiability;
 mod joint_estimate;
 mod mass_matrix_form;
+mod method_comparison;
 mod reason;
 mod relation_choices;
 mod run_coefficients;
@@ -19,7 +20,6 @@ mod sparsest_proof;
 pub mod thresholds;
 mod unknown_values;
 mod verification;
-mod ways;
 
 pub use coefficient_inference::{
     BlockNormalEquations, DropOneRefit, Halves, Mark, OmittedTerm, TermEvidence,

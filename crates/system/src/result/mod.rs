@@ -80,7 +80,7 @@ pub struct Document {
 
 /// What stands in a document beside the discovery.
 #[derive(Clone, Debug, Default)]
-pub struct Beside {
+pub struct DocumentContext {
     pub settings: Settings,
     pub signals: Vec<SignalEntry>,
     pub warnings: Vec<Notice>,

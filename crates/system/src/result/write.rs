@@ -2,7 +2,7 @@
 
 use crate::discovery::{Discovery, Equation, FoundTerm, Notice, PathKnot};
 use crate::result::{
-    Beside, Document, EquationEntry, FailedEntry, KnotEntry, TermEntry, TimeKind, VERSION,
+    Document, DocumentContext, EquationEntry, FailedEntry, KnotEntry, TermEntry, TimeKind, VERSION,
     VariableEntry,
 };
 use sidc_lang::model::VarKind;
@@ -12,7 +12,7 @@ use sidc_lang::term::{Language, Signal, SignalNames};
 ///
 /// # Errors
 /// As [`text`].
-pub fn write(d: &Discovery, beside: Beside) -> Result<String, serde_json::Error> {
+pub fn write(d: &Discovery, beside: DocumentContext) -> Result<String, serde_json::Error> {
     text(&document(d, beside))
 }
 
@@ -25,7 +25,7 @@ pub fn text(document: &Document) -> Result<String, serde_json::Error> {
 }
 
 /// The document of a discovery.
-pub fn document(d: &Discovery, beside: Beside) -> Document {
+pub fn document(d: &Discovery, beside: DocumentContext) -> Document {
     Document {
         sidc_result: VERSION,
         system: d.system.clone(),

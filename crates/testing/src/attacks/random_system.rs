@@ -78,7 +78,7 @@ pub(super) fn case(seed: u64, noise: f64, omit: bool) -> Case {
         let laws = [draw(&mut random), draw(&mut random)];
         let start = |random: &mut Random| [0, 1].map(|_| 3.0 * random.uniform() - 1.5);
         let starts: [State; RUNS] = [start(&mut random), start(&mut random)];
-        if is_told(&laws, &starts) {
+        if is_informative(&laws, &starts) {
             break (laws, starts);
         }
     };
@@ -129,7 +129,7 @@ fn draw(random: &mut Random) -> Terms {
 }
 
 /// Whether the runs stay bounded, both states move, and every term matters.
-fn is_told(laws: &[Terms; 2], starts: &[State]) -> bool {
+fn is_informative(laws: &[Terms; 2], starts: &[State]) -> bool {
     let mut all = Vec::new();
     for start in starts {
         let mut z = *start;

@@ -6,7 +6,7 @@
 use sidc_emit::{TARGETS, Written};
 use sidc_system::discovery::Discovery;
 use sidc_system::result;
-use sidc_system::result::{Beside, Document, Opened};
+use sidc_system::result::{Document, DocumentContext, Opened};
 
 /// Most terms of a document that is turned into code.
 const FEW: usize = 12;
@@ -35,9 +35,9 @@ fn written(opened: &Opened) -> String {
     text.expect("a document that was read can be written")
 }
 
-fn beside(document: &Document) -> Beside {
+fn beside(document: &Document) -> DocumentContext {
     let d = document.clone();
-    Beside {
+    DocumentContext {
         settings: d.settings,
         signals: d.signals,
         warnings: d.warnings,

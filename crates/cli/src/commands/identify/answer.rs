@@ -114,7 +114,7 @@ impl Answer<'_> {
             warnings,
         } = self.candidate;
         let Search { data, options, .. } = self.search;
-        let beside = result::Beside {
+        let beside = result::DocumentContext {
             // The window as the user gave it.
             settings: Settings {
                 window: self.args.window,

@@ -107,7 +107,7 @@ impl Case<'_> {
 
     /// `None` where the effort allowed leads to no result.
     fn certificate(&self, observer: &mut dyn Observer) -> Option<RangeCertificate> {
-        let declared = self.sought[0].unknown.range_about(self.value);
+        let declared = self.sought[0].unknown.range_containing(self.value);
         let mut found = RangeCertificate {
             declared,
             ..RangeCertificate::default()

@@ -116,7 +116,7 @@ static inline double sidc_sign(double x)
 }
 ";
 
-/// One Runge–Kutta step; `sized` fills in the number of states and the arguments.
+/// One Runge–Kutta step; `fill_placeholders` fills in the number of states and the arguments.
 pub(super) const STEP: &str = "
 /* One step of length h by the classical method of Runge and Kutta; what is not the state is held during it. */
 void sidc_step(double t, double h, double *state@ARGS@)

@@ -8,7 +8,7 @@ mod helpers;
 mod reserved;
 
 use crate::code::infix::{Infix, Syntax};
-use crate::code::printer::{Dialect, Language, Printer, sized, used_helpers};
+use crate::code::printer::{Dialect, Language, Printer, fill_placeholders, used_helpers};
 use crate::code::program::{Function, Newton, Program, Solve, Step};
 pub(crate) use declarations::Header;
 pub(crate) use declarations::with_prefix;
@@ -152,9 +152,9 @@ impl<const SINGLE: bool> Language for C<SINGLE> {
         in_precision(
             SINGLE,
             match program.has_step() {
-                true => sized(program, STEP, arguments),
+                true => fill_placeholders(program, STEP, arguments),
                 false if program.switches.is_empty() => String::new(),
-                false => sized(program, STEPS, arguments),
+                false => fill_placeholders(program, STEPS, arguments),
             },
         )
     }

@@ -15,7 +15,7 @@ pub(crate) use statements::{Argument, Body, Name, Newton, Solve, Step};
 use definitions::Definitions;
 use lowering::Scope;
 
-use crate::code::identifiers::{Identifiers, harmless, plain};
+use crate::code::identifiers::{Identifiers, comment_safe, plain};
 use crate::unknown_constants;
 use sidc_lang::term::{Expr, Func, Node, Signal, SignalNames};
 use sidc_system::discovery::{Discovery, Form, Rate};
@@ -423,7 +423,7 @@ fn constant(d: &Discovery, signal: Signal) -> Constant {
     let told = unknown_constants::told(d, &name).unwrap_or_default();
     Constant {
         value: d.unknown_value(signal).unwrap_or(f64::NAN),
-        about: format!("{} = {}", plain(&name), harmless(&told)),
+        about: format!("{} = {}", plain(&name), comment_safe(&told)),
     }
 }
 

@@ -37,7 +37,7 @@ pub(crate) fn curve(xs: &[f64], ys: &[f64], axes: (&Axis, &Axis)) -> CurvePath {
         pen.to(at.0, at.1);
         corners += 1;
         if corners > MAX_LINE_CORNERS {
-            return crossed(xs, ys, axes);
+            return cells_along_curve(xs, ys, axes);
         }
     }
     CurvePath {
@@ -47,7 +47,7 @@ pub(crate) fn curve(xs: &[f64], ys: &[f64], axes: (&Axis, &Axis)) -> CurvePath {
 }
 
 /// The cells between one sample and the next.
-fn crossed(xs: &[f64], ys: &[f64], (x, y): (&Axis, &Axis)) -> CurvePath {
+fn cells_along_curve(xs: &[f64], ys: &[f64], (x, y): (&Axis, &Axis)) -> CurvePath {
     let mut plane = DensityGrid::new(CELLS_PER_SIDE);
     let mut last: Option<(f64, f64)> = None;
     for (a, b) in xs.iter().zip(ys) {

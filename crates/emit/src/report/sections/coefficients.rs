@@ -7,7 +7,7 @@ use crate::report::sections::equations::{heading, reading};
 use crate::text::coefficient_inference::without;
 use crate::thresholds::FIGURES;
 use crate::typeset::mathml::{MathMl, escape};
-use sidc_lang::number::digits_apart;
+use sidc_lang::number::distinguishing_digits;
 use sidc_lang::term::Language;
 use sidc_system::discovery::{Equation, FoundTerm, Mark, TermEvidence};
 
@@ -127,7 +127,7 @@ fn interval(d: &sidc_system::discovery::Discovery, t: &FoundTerm, scale: f64) ->
         true => format!("<path class=\"zero\" d=\"M{0} 0v100\"/>", x(zero)),
         false => String::new(),
     };
-    let digits = digits_apart(low, high);
+    let digits = distinguishing_digits(low, high);
     let words = match high - low > 2.0 * FIGURES.interval_rounding * t.coefficient.abs() {
         true => format!("{} to {}", number(low, digits), number(high, digits)),
         false => "no wider than rounding".into(),

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use super::token::TOKEN;
 use super::variables::{Role, Variable, Variables};
-use super::wrapper::has_slopes;
+use super::wrapper::has_directional_derivatives;
 use crate::caveats::caveats;
 use crate::code::program::Program;
 use crate::typeset::mathml::escape;
@@ -26,7 +26,7 @@ pub(super) fn text(d: &Discovery, program: &Program, variables: &Variables, id: 
         escape(name),
         attribute(&about),
         env!("CARGO_PKG_VERSION"),
-        has_slopes(program),
+        has_directional_derivatives(program),
         units(variables),
         declared(variables),
         structure(variables),

@@ -4,7 +4,7 @@
 //! rates, inputs, parameters, outputs, guards.
 
 use crate::caveats::delays;
-use crate::code::identifiers::{harmless, plain};
+use crate::code::identifiers::{comment_safe, plain};
 use crate::code::program::Program;
 use sidc_lang::number::significant;
 use sidc_lang::term::{Signal, SignalNames};
@@ -138,7 +138,7 @@ impl Variables {
         for (s, constant) in form.constants.iter().zip(&program.constants) {
             self.all.push(Variable {
                 start: constant.value,
-                about: harmless(&constant.about),
+                about: comment_safe(&constant.about),
                 ..variable(d, Role::Parameter, *s)
             });
         }

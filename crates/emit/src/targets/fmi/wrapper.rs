@@ -8,19 +8,19 @@ use crate::code::program::{Kind, Program};
 
 const COMMON: &str = include_str!("fmi3.c");
 const CALLS: &str = include_str!("calls.c");
-const SLOPES: &str = include_str!("slopes.c");
-const NO_SLOPES: &str = include_str!("no_slopes.c");
+const SLOPES: &str = include_str!("directional_derivatives.c");
+const NO_SLOPES: &str = include_str!("no_directional_derivatives.c");
 const UNUSED: &str = include_str!("unused.c");
 
 /// True if the FMU gives directional derivatives; outputs and events have no Jacobians.
-pub(super) fn has_slopes(program: &Program) -> bool {
+pub(super) fn has_directional_derivatives(program: &Program) -> bool {
     program.get(Kind::Jacobian).is_some()
         && program.form.outputs.is_empty()
         && program.switches.is_empty()
 }
 
 pub(super) fn text(program: &Program, variables: &Variables) -> String {
-    let slopes = match has_slopes(program) {
+    let slopes = match has_directional_derivatives(program) {
         true => SLOPES.replace("@JACOBIANS@", &jacobians(program)),
         false => NO_SLOPES.into(),
     };

@@ -44,7 +44,7 @@ pub fn sources_differ(
 }
 
 /// Experiments side by side, together with a column of runs.
-pub fn side_and_below(at: Span, run: Span) -> Diagnostic {
+pub fn side_by_side_with_run_column(at: Span, run: Span) -> Diagnostic {
     Diagnostic::error(
         "data-entry",
         "experiments stand side by side or below each other, not both",

@@ -6,7 +6,7 @@ use crate::ast::{ATTRIBUTES, Call};
 use crate::check::vocabulary::GeneratorSignature;
 use crate::diagnostic::{Diagnostic, Edit};
 use crate::model::Var;
-use crate::parse::foreign_spellings::functions::Meant;
+use crate::parse::foreign_spellings::functions::Translation;
 use crate::source::Span;
 
 pub fn late_version(at: Span, before: Span) -> Diagnostic {
@@ -265,18 +265,23 @@ pub fn missing_comma(at: Span, left: &str, right: &str) -> Diagnostic {
 }
 
 /// A function of other languages; `whole` is the call. `instead` has the same effect where no expression can replace the call.
-pub fn foreign_function(whole: Span, call: &Call, meant: Meant, instead: Vec<Edit>) -> Diagnostic {
+pub fn foreign_function(
+    whole: Span,
+    call: &Call,
+    meant: Translation,
+    instead: Vec<Edit>,
+) -> Diagnostic {
     let name = &call.name.text;
     let d = Diagnostic::error(
         "unknown-function",
         format!("no function or generator named `{name}`"),
     );
     match meant {
-        Meant::Expression(ours) => d
+        Translation::Expression(ours) => d
             .at(whole, format!("write `{ours}`"))
             .help(format!("replace it by `{ours}`"))
             .fix(whole, ours),
-        Meant::Advice(advice) => d
+        Translation::Advice(advice) => d
             .at(call.name.span, "not known")
             .help(advice)
             .edit_all(instead),

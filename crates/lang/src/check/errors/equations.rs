@@ -235,7 +235,7 @@ pub fn no_equation(at: Option<Span>, model: &Model, file: &File) -> Diagnostic {
 }
 
 /// Notes on states without an equation and on names that nothing uses: legal, but perhaps not meant.
-pub fn loose_ends(model: &Model, scope: &Scope) -> Vec<Diagnostic> {
+pub fn unused_declarations(model: &Model, scope: &Scope) -> Vec<Diagnostic> {
     let mut out = Vec::new();
     let driven: Vec<&Var> = model
         .vars_of(VarKind::State)

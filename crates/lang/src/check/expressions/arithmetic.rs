@@ -53,14 +53,14 @@ impl Checker<'_> {
 
     /// `x[i]` outside a family.
     pub fn stray_index<T>(&mut self, e: &Ast, name: &Ident, index: &Ast) -> Option<T> {
-        let example = self.example_of_row(&name.text, index);
+        let example = self.example_indexed_name(&name.text, index);
         self.fail(errors::index_without_range(e.span, &example))
     }
 
     /// The `e` of `e^x`, unless a signal has that name.
     fn is_eulers_number(&self, e: &Ast) -> bool {
         let is_e = |name: &&str| matches!(*name, "e" | "ℯ");
-        let free = |name| !self.is_declared(name) && !self.scope.is_poisoned(name);
+        let free = |name| !self.is_declared(name) && !self.scope.may_be_declared(name);
         e.as_name().filter(is_e).is_some_and(free)
     }
 

@@ -20,7 +20,7 @@ impl<'a> Checker<'a> {
 
     /// Whether the model defines a function of this name, anywhere.
     pub fn is_own_function(&self, name: &str) -> bool {
-        self.own_names.contains(name)
+        self.own_function_names.contains(name)
     }
 
     /// The generator of this name, unless the model defines a function of that name.
@@ -130,7 +130,7 @@ impl<'a> Checker<'a> {
         for d in inside {
             let primary = d.labels.iter().find(|l| l.primary).map(|l| l.span);
             // An error in a body is reported once, however often the function is called.
-            let again = outermost && !self.told_in_calls.insert((d.code, primary));
+            let again = outermost && !self.reported_in_calls.insert((d.code, primary));
             if !again {
                 self.found.push(in_call(d, call));
             }

@@ -71,7 +71,7 @@ impl Checker<'_> {
             return self.say(d);
         }
         if let Some((_, run)) = &block.run {
-            self.say(errors::side_and_below(first.span, *run));
+            self.say(errors::side_by_side_with_run_column(first.span, *run));
         }
     }
 
@@ -227,7 +227,7 @@ impl Checker<'_> {
         match self.scope.lets.get(text).map(|l| &l.value) {
             Some(Value::Number(x)) => Some(*x),
             Some(Value::Wrong) => None,
-            _ if self.scope.is_poisoned(text) => None,
+            _ if self.scope.may_be_declared(text) => None,
             _ => self.fail(errors::unquoted_column(e.span, text)),
         }
     }

@@ -43,7 +43,7 @@ impl Checker<'_> {
             span: None,
         });
         self.scope.signals.insert("t".to_string(), Signal::TIME);
-        self.scope.poisoned = self
+        self.scope.broken_names = self
             .file
             .broken
             .iter()
@@ -126,7 +126,7 @@ impl Checker<'_> {
         match &e.kind {
             ExprKind::Name(text) if text.ends_with('\'') => {
                 let base = text.trim_end_matches('\'');
-                self.scope.poisoned.insert(base.to_string());
+                self.scope.broken_names.insert(base.to_string());
                 self.fail(errors::declared_derivative(e.span, text))
             }
             ExprKind::Name(text) => Some(vec![(text.clone(), e.span)]),
@@ -139,13 +139,13 @@ impl Checker<'_> {
                 let gap = call.args.first().map_or(e.span.end, |a| a.span.start);
                 let gap = Span::new(e.span.file, call.name.span.end, gap);
                 let d = errors::two_names(e.span, gap, keyword.text(), &call.name.text, second);
-                self.scope.poisoned.insert(call.name.text.clone());
-                self.scope.poisoned.insert(second.to_string());
+                self.scope.broken_names.insert(call.name.text.clone());
+                self.scope.broken_names.insert(second.to_string());
                 self.fail(d)
             }
             // `y(2)`: the number may have been meant as an order.
             ExprKind::Call(call) => {
-                self.scope.poisoned.insert(call.name.text.clone());
+                self.scope.broken_names.insert(call.name.text.clone());
                 let names = [call.name.text.as_str()];
                 self.fail(errors::not_a_name(e.span, keyword.text(), &names))
             }
@@ -358,8 +358,8 @@ impl Checker<'_> {
             Span::new(at.file, at.start + range.start, at.start + range.end)
         };
         match units::parse(text) {
-            Ok((unit, suspects)) => {
-                for s in suspects {
+            Ok((unit, misspellings)) => {
+                for s in misspellings {
                     self.say(errors::unit_unknown(place(s.at.clone()), &s));
                 }
                 Some(unit)

@@ -25,7 +25,7 @@ impl<'a> Checker<'a> {
             StatementKind::Function { name, .. } => Some(name.text.clone()),
             _ => None,
         });
-        self.own_names = names.collect();
+        self.own_function_names = names.collect();
     }
 
     pub fn define_function(&mut self, s: &'a Statement) {

@@ -3,7 +3,7 @@
 //! In: a name and the text of its arguments. Out: the same in this language, or what to do instead.
 
 /// The counterpart of a foreign function in this language.
-pub enum Meant {
+pub enum Translation {
     /// An expression that takes the place of the call.
     Expression(String),
     /// What to do if no expression has the same effect.
@@ -85,7 +85,7 @@ const ADVICE: [(&str, &str); 21] = [
 ];
 
 /// What a call of an unknown function means; `arguments` are texts.
-pub fn function(name: &str, arguments: &[&str]) -> Option<Meant> {
+pub fn function(name: &str, arguments: &[&str]) -> Option<Translation> {
     let find = |table: &[(&str, &'static str)]| {
         table
             .iter()
@@ -93,29 +93,32 @@ pub fn function(name: &str, arguments: &[&str]) -> Option<Meant> {
             .map(|(_, ours)| *ours)
     };
     if let (Some(ours), false) = (find(&RENAMED), arguments.is_empty()) {
-        return Some(Meant::Expression(format!(
+        return Some(Translation::Expression(format!(
             "{ours}({})",
             arguments.join(", ")
         )));
     }
     if let (Some(form), [x]) = (find(&WRITTEN_OUT), arguments) {
-        return Some(Meant::Expression(in_place(form, x)));
+        return Some(Translation::Expression(in_place(form, x)));
     }
     match (name, arguments) {
         ("pow" | "power" | "mpower" | "Power", [x, p]) => {
             let form = if is_plain(p) { "(#)^" } else { "(#)^(" };
             let end = if is_plain(p) { "" } else { ")" };
-            Some(Meant::Expression(format!("{}{p}{end}", in_place(form, x))))
+            Some(Translation::Expression(format!(
+                "{}{p}{end}",
+                in_place(form, x)
+            )))
         }
-        ("clip" | "clamp", [x, low, high]) => {
-            Some(Meant::Expression(format!("min(max({x}, {low}), {high})")))
-        }
-        ("hypot", [x, y]) => Some(Meant::Expression(format!(
+        ("clip" | "clamp", [x, low, high]) => Some(Translation::Expression(format!(
+            "min(max({x}, {low}), {high})"
+        ))),
+        ("hypot", [x, y]) => Some(Translation::Expression(format!(
             "sqrt({}^2 + {}^2)",
             bracketed(x),
             bracketed(y)
         ))),
-        _ => find(&ADVICE).map(Meant::Advice),
+        _ => find(&ADVICE).map(Translation::Advice),
     }
 }
 

@@ -11,7 +11,7 @@ use crate::parse::token::{Token, TokenKind};
 use crate::source::{FileId, Span};
 
 /// A statement of the file's text, and the place of the token that was not expected.
-pub struct Stumble<'a, 't> {
+pub struct PunctuationError<'a, 't> {
     pub file: FileId,
     pub text: &'a str,
     pub tokens: &'a [&'a Token<'t>],
@@ -19,7 +19,7 @@ pub struct Stumble<'a, 't> {
 }
 
 /// The error of a token that is punctuation of another language.
-pub fn punctuation(s: &Stumble, rule: Rule) -> Option<Diagnostic> {
+pub fn punctuation(s: &PunctuationError, rule: Rule) -> Option<Diagnostic> {
     match s.get(s.at)?.text {
         // `state x : order 2; unit "m"`
         ";" if s
@@ -48,7 +48,7 @@ pub fn punctuation(s: &Stumble, rule: Rule) -> Option<Diagnostic> {
     }
 }
 
-impl<'t> Stumble<'_, 't> {
+impl<'t> PunctuationError<'_, 't> {
     fn get(&self, place: usize) -> Option<&Token<'t>> {
         self.tokens.get(place).copied()
     }

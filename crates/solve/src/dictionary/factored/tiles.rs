@@ -78,6 +78,25 @@ impl Task<'_> {
 }
 
 impl Factored {
+    /// The factors with their scales, and no lengths yet.
+    pub(super) fn unmeasured(
+        rows: usize,
+        [left, right]: [Vec<f64>; 2],
+        blocks: Vec<Block>,
+    ) -> Factored {
+        let scales = [&left, &right].map(|factors| scales(factors, rows));
+        Factored {
+            rows,
+            scaled_right: scaled(&right, &scales[1], rows, &blocks),
+            left,
+            right,
+            scales,
+            blocks,
+            lengths: Vec::new(),
+            is_finite: true,
+        }
+    }
+
     /// `Rᵀ prepare(L)` for a task, in tiles that are `wanted`: `visit` gets a left column, some right columns and their products, until it
     /// returns false. `right`: as [`Factored::scaled_right`]; `prepare` gives one entry of a left column.
     pub(super) fn products<T: Scaled>(
@@ -138,7 +157,7 @@ pub(super) fn depth(rows: usize) -> usize {
 
 /// A power of two near the largest entry of each column; zero or infinite for columns whose entries cannot be scaled: of zeros, of denormal
 /// numbers, or not finite.
-pub(super) fn scales(factors: &[f64], rows: usize) -> Vec<f64> {
+fn scales(factors: &[f64], rows: usize) -> Vec<f64> {
     // The exponent bits alone.
     let exponent = |x: f64| f64::from_bits(x.to_bits() & f64::INFINITY.to_bits());
     let columns = factors.chunks_exact(rows.max(1));

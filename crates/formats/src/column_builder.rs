@@ -19,7 +19,7 @@ pub(crate) enum Meaning {
 }
 
 /// A column so far.
-pub(crate) struct Gathered {
+pub(crate) struct ColumnBuilder {
     meaning: Meaning,
     numbers: Vec<f64>,
     /// `i64::MIN` stands for a missing value.
@@ -27,14 +27,14 @@ pub(crate) struct Gathered {
     words: Words,
 }
 
-impl Gathered {
+impl ColumnBuilder {
     #[cfg(all(feature = "parquet", panic = "unwind"))]
     pub(crate) fn meaning(&self) -> Meaning {
         self.meaning
     }
 
-    pub(crate) fn new(meaning: Meaning) -> Gathered {
-        Gathered {
+    pub(crate) fn new(meaning: Meaning) -> ColumnBuilder {
+        ColumnBuilder {
             meaning,
             numbers: Vec::new(),
             moments: Vec::new(),

@@ -19,17 +19,17 @@ use super::program::Program;
 use crate::options::Options;
 
 /// The first equations, or those of the joint estimate if only these pass.
-pub(super) fn better_way(
+pub(super) fn passing_method(
     program: &Program,
     measured: &Measured,
     options: &Options,
     mut first: Discovery,
     observer: &mut dyn Observer,
 ) -> Discovery {
-    if first.passes() || !options.search.chooses_way() || !may_be_settled(&first) {
+    if first.passes() || !options.search.chooses_way() || !doubts_concern_data(&first) {
         return first;
     }
-    if library_falls_short(program, measured, &first) {
+    if library_is_insufficient(program, measured, &first) {
         return first;
     }
     let Some(dataset) = without_targets(program, &measured.dataset) else {
@@ -58,7 +58,7 @@ pub(super) fn better_way(
 }
 
 /// Whether the doubts are about what the data show, not about limits, stops or a solver, chosen by the user, that proves nothing.
-fn may_be_settled(first: &Discovery) -> bool {
+fn doubts_concern_data(first: &Discovery) -> bool {
     use ReasonCode::{
         HeuristicSolver, Interrupted, MemoryLimit, NoMotion, SolverRefused, TimeLimit,
     };
@@ -74,7 +74,7 @@ fn may_be_settled(first: &Discovery) -> bool {
 }
 
 /// Whether rates that agree with their states have motion that the library cannot explain. Then the joint estimate cannot explain it either.
-fn library_falls_short(program: &Program, measured: &Measured, first: &Discovery) -> bool {
+fn library_is_insufficient(program: &Program, measured: &Measured, first: &Discovery) -> bool {
     let poor = |target: Signal| {
         let doubted = first.equations.iter().filter(|e| e.target == target);
         let mut reasons = doubted.flat_map(|e| &e.reasons);

@@ -4,13 +4,13 @@ use crate::budget::Budget;
 use crate::fault::Fault;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Packing {
+pub(crate) enum Compression {
     /// In frames.
     Lz4,
     Zstd,
 }
 
-impl Packing {
+impl Compression {
     /// The unpacked bytes, as many as are announced.
     ///
     /// # Errors
@@ -22,8 +22,8 @@ impl Packing {
         budget: &mut Budget,
     ) -> Result<Vec<u8>, Fault> {
         let unpacked = match self {
-            Packing::Lz4 => budget.unpack(lz4_flex::frame::FrameDecoder::new(packed))?,
-            Packing::Zstd => {
+            Compression::Lz4 => budget.unpack(lz4_flex::frame::FrameDecoder::new(packed))?,
+            Compression::Zstd => {
                 let decoder = ruzstd::decoding::StreamingDecoder::new(packed);
                 let unreadable = |e| Fault::damaged(format!("it cannot be unpacked ({e})"));
                 budget.unpack(decoder.map_err(unreadable)?)?

@@ -16,7 +16,7 @@ use super::thresholds::BUDGET;
 use crate::options::Options;
 
 /// The maximum-likelihood values of the unknown constants; `None` if there are no unknown constants or no rows.
-pub(super) fn settle(
+pub(super) fn estimate(
     program: &Program,
     (dataset, samples): (&Dataset, &Samples),
     options: &Options,
@@ -51,7 +51,7 @@ pub(super) fn settle(
 }
 
 /// An unknown constant that occurs only in equations with `=`, where only the joint estimate can find it.
-pub(super) fn only_given(program: &Program) -> Option<VarId> {
+pub(super) fn only_in_known_equations(program: &Program) -> Option<VarId> {
     let model = &program.model;
     let (mut given, mut sought) = (Vec::new(), Vec::new());
     for (equation, library) in model.equations.iter().zip(&program.libraries) {
@@ -82,7 +82,7 @@ pub(super) fn not_estimated(model: &Model, unknown: VarId) -> Diagnostic {
 }
 
 /// Adds the constants' values and standard errors to a discovery, and the variance that they cause to that of the coefficients.
-pub(super) fn tell(
+pub(super) fn report_values(
     program: &Program,
     (dataset, samples): (&Dataset, &Samples),
     found: &mut Discovery,
