@@ -142,7 +142,7 @@ pub fn measure(
     if let Some(unused) = noisy.find(|s| !estimated(s)) {
         diagnostics.push(input_noise_unused(&model.name(unused)));
     }
-    let mut lasting = model.lasting_noise();
+    let mut lasting = model.autocorrelated_noise();
     if (joint.is_err() || model.noisy_inputs().any(|(s, _)| estimated(&s)))
         && let Some(name) = lasting.next()
     {

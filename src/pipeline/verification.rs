@@ -24,7 +24,7 @@ pub fn verify(
         let Some((place, case)) = case(program, measured, discovery, at) else {
             continue;
         };
-        observer.turn_to(place);
+        observer.set_equation(place);
         let checked = match observer.at(Stage::Verifying(0, case.library.slots())) {
             Some(_) => None,
             None => verify::verify(&case, &mut observer),

@@ -32,7 +32,7 @@ fn model(sources: &mut Sources, vars: &[(&str, VarKind, u8)]) -> Model {
         kind,
         order,
         noise: Default::default(),
-        noise_memory: None,
+        noise_time_constant: None,
         unit: None,
         between: None,
         delay: None,

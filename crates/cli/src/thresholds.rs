@@ -61,7 +61,7 @@ family! {
 
 family! {
     /// What the language server reads of the files beside a model.
-    pub(crate) BESIDE: BesideLimits {
+    pub(crate) FOLDER: FolderLimits {
         /// Entries of a folder that are looked at.
         entries: usize = 10_000, unit "entries", source "set by hand";
         /// Tables whose columns are read, of the model's folder and of its folder `data` each.
@@ -82,6 +82,6 @@ pub(crate) fn thresholds() -> Vec<Table> {
         ModelComparison::table(),
         Progress::table(),
         Lists::table(),
-        BesideLimits::table(),
+        FolderLimits::table(),
     ]
 }

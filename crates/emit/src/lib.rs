@@ -27,7 +27,7 @@ pub use text::free_runs::validation;
 pub use text::layout::{TEXT_WIDTH, wrapped};
 pub use text::linearization::{kink_warnings, linearization};
 pub use text::matrices::consequences;
-pub use text::verdict::{Rival, instead, rival, verdict};
+pub use text::verdict::{Rival, rival, rival_advice, verdict};
 pub use thresholds::tables as thresholds;
 pub use typeset::mathml::{MathMl, escape};
 pub use unknown_constants::constants_in;

@@ -69,7 +69,7 @@ pub struct Var {
     /// Noise of the sensor by order of derivative.
     pub noise: BTreeMap<u8, SensorNoise>,
     /// Time constant of the noise of a state's own sensor, if declared: 0 for white noise. Finite, not negative.
-    pub noise_memory: Option<f64>,
+    pub noise_time_constant: Option<f64>,
     /// Its unit. In a model with units, time is in seconds unless declared otherwise.
     pub unit: Option<Unit>,
     /// How an input moves between samples, if declared.
@@ -327,14 +327,14 @@ impl Model {
     }
 
     /// Time constant of the noise of a state's own sensor, if declared.
-    pub fn noise_memory(&self, s: Signal) -> Option<f64> {
-        self.var(s.var)?.noise_memory.filter(|_| s.der == 0)
+    pub fn noise_time_constant(&self, s: Signal) -> Option<f64> {
+        self.var(s.var)?.noise_time_constant.filter(|_| s.der == 0)
     }
 
     /// States whose noise is declared to be autocorrelated, in order of declaration.
-    pub fn lasting_noise(&self) -> impl Iterator<Item = Signal> {
+    pub fn autocorrelated_noise(&self) -> impl Iterator<Item = Signal> {
         let states = self.vars_of(VarKind::State);
-        let lasting = states.filter(|(_, v)| v.noise_memory.is_some_and(|m| m > 0.0));
+        let lasting = states.filter(|(_, v)| v.noise_time_constant.is_some_and(|m| m > 0.0));
         lasting.map(|(id, _)| Signal::new(id))
     }
 

@@ -152,7 +152,7 @@ impl<'a> EquationObserver<'a> {
     }
 
     /// From now on, stages belong to the equation with this index.
-    pub fn turn_to(&mut self, place: usize) {
+    pub fn set_equation(&mut self, place: usize) {
         self.place = place;
     }
 

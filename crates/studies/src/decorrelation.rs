@@ -23,7 +23,7 @@ const ROWS: usize = 400;
 /// In seconds.
 const STEP: f64 = 0.03;
 /// Cosine above which two columns form a group.
-const ALIKE: f64 = 0.99;
+const COLLINEAR: f64 = 0.99;
 /// Fraction of the largest contribution below which a term is ignored.
 const NONE: f64 = 1e-3;
 const TRUTH: [&str; 3] = ["dtheta", "sin(theta)", "u"];
@@ -143,7 +143,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 fn groups(columns: &[Vec<f64>]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (j, column) in columns.iter().enumerate() {
-        let near = |g: &&mut Vec<usize>| dot(&columns[g[0]], column).abs() > ALIKE;
+        let near = |g: &&mut Vec<usize>| dot(&columns[g[0]], column).abs() > COLLINEAR;
         match groups.iter_mut().find(near) {
             Some(group) => group.push(j),
             None => groups.push(vec![j]),

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use crate::exit_status;
 use crate::failure::Failure;
 use crate::inputs::texts;
-use crate::thresholds::BESIDE;
+use crate::thresholds::FOLDER;
 use sidc_lsp::{Connection, Folder, TableHeader};
 
 const EXAMPLES: &str = "Examples:
@@ -81,7 +81,7 @@ impl Folder for Disk {
 /// The delimited text files of a folder, by name.
 fn tables_in(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    let entries = entries.take(BESIDE.entries).map(|e| e.path());
+    let entries = entries.take(FOLDER.entries).map(|e| e.path());
     let is_table = |p: &PathBuf| {
         let extension = p.extension().and_then(|e| e.to_str()).unwrap_or("");
         ["csv", "tsv", "txt", "dat"].contains(&extension.to_ascii_lowercase().as_str())
@@ -89,14 +89,14 @@ fn tables_in(folder: &Path) -> Vec<PathBuf> {
     };
     let mut files: Vec<PathBuf> = entries.filter(is_table).collect();
     files.sort();
-    files.truncate(BESIDE.tables);
+    files.truncate(FOLDER.tables);
     files
 }
 
 fn columns(file: &Path) -> Option<Vec<String>> {
     let mut bytes = Vec::new();
     let file = File::open(file).ok()?;
-    file.take(BESIDE.bytes).read_to_end(&mut bytes).ok()?;
+    file.take(FOLDER.bytes).read_to_end(&mut bytes).ok()?;
     let columns = sidc_data::column_names(&bytes);
     (!columns.is_empty()).then_some(columns)
 }

@@ -45,7 +45,7 @@ impl<'a> CoupledGroup<'a> {
     ) -> Result<Concluded<'a>, Vec<Refusal>> {
         let (mut done, mut members, mut bad) = (Vec::new(), Vec::new(), Vec::new());
         for (place, task) in &self.tasks {
-            watcher.turn_to(*place);
+            watcher.set_equation(*place);
             match task.design(names, watcher) {
                 Err(value) => bad.push(Refusal::Unevaluable((*place, value))),
                 Ok(Err(failed)) => done.push((*place, Err(failed))),
@@ -77,7 +77,7 @@ impl<'a> CoupledGroup<'a> {
         let found: Vec<Pairs> = answers.iter().map(Estimate::pairs).collect();
         let doubts = constraint_strain::doubts(names, &case, &found, &pressing);
         for (m, answer) in members.iter().zip(&answers) {
-            watcher.turn_to(m.place);
+            watcher.set_equation(m.place);
             let mut equation = m.task.conclude(names, &m.design, answer);
             equation.path = m.task.lasso_path(&m.design.problem(), watcher);
             done.push((m.place, Ok(equation)));

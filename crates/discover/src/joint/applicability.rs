@@ -114,7 +114,7 @@ pub fn joint(
     let system = make(&pools).map_err(not)?;
     let constraints = coefficient_constraints(model, libraries, &system);
     let problem = whole(system).map_err(not)?.under(constraints);
-    let problem = problem.with_declared_memory(&|s| model.noise_memory(s));
+    let problem = problem.with_declared_memory(&|s| model.noise_time_constant(s));
     let problem = with_declared_runs(model, problem);
     if let Some(term) = problem.first_undefined_column() {
         let term = Language(model).term(term);

@@ -164,7 +164,7 @@ impl DelayOutlierSearch<'_, '_> {
     /// One search serves all laws at once, so progress names the laws in turn.
     fn count_refit(&mut self, laws: &[Law]) {
         self.watcher
-            .turn_to(laws[self.refits % laws.len()].equation);
+            .set_equation(laws[self.refits % laws.len()].equation);
         self.refits += 1;
         self.watcher.during(Stage::Refitting(self.refits));
     }
@@ -309,7 +309,7 @@ impl DelayOutlierSearch<'_, '_> {
             }
             let from = best.as_ref().unwrap_or(fit);
             let price = trajectory::term_price(from.problem.measurements() as f64);
-            let lasting = trajectory::lasting_noise(&from.problem, &from.found.best, price);
+            let lasting = trajectory::autocorrelated_noise(&from.problem, &from.found.best, price);
             let Some(lasting) = lasting.filter(|l| l.estimated > 0) else {
                 break;
             };

@@ -20,7 +20,7 @@ pub(crate) fn run_uncoupled(
 ) -> Vec<(usize, Found)> {
     let mut observer = |activity: Activity| match activity {
         Activity::Equation { place, stage } => {
-            watcher.turn_to(place);
+            watcher.set_equation(place);
             watcher.hear(Activity::Stage(stage))
         }
         other => watcher.hear(other),
@@ -31,7 +31,7 @@ pub(crate) fn run_uncoupled(
         &mut observer,
         |(place, task), observer| {
             let mut watcher = EquationObserver::new(observer);
-            watcher.turn_to(place);
+            watcher.set_equation(place);
             (place, task.run(names, &mut watcher))
         },
     )

@@ -115,7 +115,7 @@ impl<'a> WeakSystem<'a> {
                 let Some(member) = self.members.get(k) else {
                     continue;
                 };
-                watcher.turn_to(member.place);
+                watcher.set_equation(member.place);
                 let mut weak = member.weak.clone();
                 let shared = self.members.iter().filter_map(|m| m.best.as_ref());
                 let shared = shared.filter(|r| r.left < WEAK_FORM.shared_misfit && r.own.moved());

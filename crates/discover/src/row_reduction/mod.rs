@@ -117,7 +117,7 @@ pub fn refit_all_rows(
         let Some(found) = found.into_iter().find(|e| e.target == equation.target) else {
             continue;
         };
-        watcher.turn_to(place);
+        watcher.set_equation(place);
         let task = Task {
             target: equation.target,
             known: fixed_terms(&equation.right),

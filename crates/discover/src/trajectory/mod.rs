@@ -72,7 +72,7 @@ pub use model::{
 pub use pooling::{Differing, RunNotFollowed, RunValue, differing_coefficients};
 pub(crate) use pooling::{fit_by_run, left_by};
 pub use residuals::{
-    Channel, File, GrownNoise, LastingNoise, Outliers, channels, grow_noise, lasting_noise,
+    Channel, File, GrownNoise, LastingNoise, Outliers, autocorrelated_noise, channels, grow_noise,
     leave_out, log_error_ahead, own_time,
 };
 pub(crate) use search::minimum;

@@ -102,7 +102,7 @@ pub(crate) fn comment_safe(text: &str) -> String {
 }
 
 /// The name of a system after a space, for comments; empty if it has none.
-pub(crate) fn titled(system: Option<&str>) -> String {
+pub(crate) fn space_and_name(system: Option<&str>) -> String {
     system.map_or_else(String::new, |s| format!(" {}", plain(s)))
 }
 

@@ -92,7 +92,7 @@ impl<'a, S: Syntax> Infix<'a, S> {
 
     /// The name of a node, or else its value.
     pub fn text(&self, node: usize) -> String {
-        self.guarded(node, Precedence::Sum)
+        self.parenthesized(node, Precedence::Sum)
     }
 
     /// The expression that computes a node.
@@ -124,7 +124,7 @@ impl<'a, S: Syntax> Infix<'a, S> {
         }
     }
 
-    fn guarded(&self, node: usize, needs: Precedence) -> String {
+    fn parenthesized(&self, node: usize, needs: Precedence) -> String {
         match self.piece(node) {
             (text, has) if has < needs => format!("({text})"),
             (text, _) => text,
@@ -147,7 +147,7 @@ impl<'a, S: Syntax> Infix<'a, S> {
             }
             Some(Node::Product(a, b)) => (self.product(*a, *b), Precedence::Product),
             Some(Node::Reciprocal(a)) => {
-                let below = self.guarded(*a, Precedence::Power);
+                let below = self.parenthesized(*a, Precedence::Power);
                 (
                     format!("{} / {below}", self.number(1.0)),
                     Precedence::Product,
@@ -158,7 +158,7 @@ impl<'a, S: Syntax> Infix<'a, S> {
                 let p = self.literal(f64::from_bits(*p));
                 (self.syntax.power(&self.text(*a), &p), Precedence::Atom)
             }
-            Some(Node::Raised(a, p)) => {
+            Some(Node::SymbolicPower(a, p)) => {
                 let power = self.syntax.power(&self.text(*a), &self.text(*p));
                 (power, Precedence::Atom)
             }
@@ -181,12 +181,12 @@ impl<'a, S: Syntax> Infix<'a, S> {
             () if product(b) && !product(a) && !reciprocal(b) => (b, a),
             () => (a, b),
         };
-        let left = self.guarded(a, Precedence::Product);
+        let left = self.parenthesized(a, Precedence::Product);
         match self.body.nodes().get(b) {
             Some(Node::Reciprocal(below)) if reciprocal(b) => {
-                format!("{left} / {}", self.guarded(*below, Precedence::Power))
+                format!("{left} / {}", self.parenthesized(*below, Precedence::Power))
             }
-            _ => format!("{left} * {}", self.guarded(b, Precedence::Power)),
+            _ => format!("{left} * {}", self.parenthesized(b, Precedence::Power)),
         }
     }
 
@@ -230,12 +230,12 @@ impl<'a, S: Syntax> Infix<'a, S> {
     /// Parentheses around a product keep the order of roundings.
     fn weighted(&self, weight: f64, node: usize) -> String {
         if weight == 1.0 {
-            return self.guarded(node, Precedence::Product);
+            return self.parenthesized(node, Precedence::Product);
         }
         format!(
             "{} * {}",
             self.number(weight),
-            self.guarded(node, Precedence::Power)
+            self.parenthesized(node, Precedence::Power)
         )
     }
 

@@ -4,7 +4,7 @@
 
 use crate::caveats::{caveats, python_constants};
 use crate::code::autodiff_modules::Autodiff;
-use crate::code::identifiers::titled;
+use crate::code::identifiers::space_and_name;
 use crate::code::printer::{Dialect, commented};
 use crate::code::program::{Function, Program};
 use crate::code::python_modules::{constants, dialect};
@@ -36,7 +36,7 @@ impl Autodiff for Casadi {
     }
 
     fn header(d: &Discovery, program: &Program) -> String {
-        let system = titled(program.system.as_deref());
+        let system = space_and_name(program.system.as_deref());
         let mut out = format!(
             "\"\"\"Written by sidc: the identified system{system} as code, for CasADi.\n\nThe functions take symbols (SX or MX) and numbers.\n\n"
         );

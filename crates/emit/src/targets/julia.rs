@@ -4,7 +4,7 @@
 
 use crate::caveats::{caveats, delays, verdict_summary};
 use crate::code::equation_list::{check_continuous, equation_list};
-use crate::code::identifiers::titled;
+use crate::code::identifiers::space_and_name;
 use crate::code::infix::{Infix, Syntax};
 use crate::code::printer::commented;
 use crate::code::program::Program;
@@ -46,7 +46,7 @@ impl Target for Julia {
 }
 
 fn header(d: &Discovery, program: &Program) -> String {
-    let title = titled(program.system.as_deref());
+    let title = space_and_name(program.system.as_deref());
     let mut out =
         format!("# Written by sidc: the identified system{title}, for ModelingToolkit.\n#\n");
     out.push_str(&commented("# ", caveats(d).into_iter()));

@@ -1,7 +1,7 @@
 //! LaTeX: a document with the equations in an `align*` block. It needs amsmath, nothing else.
 
 use crate::caveats::{caveats, verdict_summary};
-use crate::code::identifiers::titled;
+use crate::code::identifiers::space_and_name;
 use crate::code::printer::commented;
 use crate::target::{Target, Written};
 use crate::typeset::latex_matrices;
@@ -34,7 +34,7 @@ impl Target for Latex {
                 )
             })
             .collect();
-        let system = titled(d.system.as_deref());
+        let system = space_and_name(d.system.as_deref());
         let equations = match lines.is_empty() {
             true => String::new(),
             false => format!(

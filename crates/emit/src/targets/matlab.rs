@@ -4,7 +4,7 @@
 //! derivatives. Functions whose value would be complex return NaN.
 
 use crate::caveats::{caveats, delays, verdict_summary};
-use crate::code::identifiers::{Identifiers, ascii, plain, titled};
+use crate::code::identifiers::{Identifiers, ascii, plain, space_and_name};
 use crate::code::infix::{Infix, Syntax};
 use crate::code::parameters::{Parameters, number, numbers};
 use crate::code::printer::{Dialect, Language, Printer, commented};
@@ -88,8 +88,8 @@ impl Language for Matlab {
 
     fn helpers(&self, program: &Program) -> String {
         let solves = program.solves(|_| true);
-        let powers =
-            program.computes(|n| matches!(n, Node::Root(_) | Node::Power(..) | Node::Raised(..)));
+        let powers = program
+            .computes(|n| matches!(n, Node::Root(_) | Node::Power(..) | Node::SymbolicPower(..)));
         let mut out = String::new();
         if !program.switches.is_empty() {
             out.push_str(STEPS);
@@ -193,7 +193,7 @@ fn parameters(d: &Discovery) -> String {
 
 /// The main function, which calls the others.
 fn main(d: &Discovery, program: &Program) -> String {
-    let system = titled(program.system.as_deref());
+    let system = space_and_name(program.system.as_deref());
     let own = ascii(program.system.as_deref().unwrap_or("model"));
     let name = Identifiers::new([], RESERVED.iter().copied()).fresh(&own);
     let arguments = arguments(program);

@@ -4,7 +4,7 @@
 
 use crate::caveats::{caveats, delays, verdict_summary};
 use crate::code::equation_list::{check_continuous, equation_list};
-use crate::code::identifiers::{Identifiers, plain, titled};
+use crate::code::identifiers::{Identifiers, plain, space_and_name};
 use crate::code::infix::{Infix, Syntax};
 use crate::code::printer::commented;
 use crate::code::program::Program;
@@ -57,7 +57,7 @@ impl Target for Modelica {
         }
         model.equal(&all.laws);
         model.equal(&all.outputs);
-        let title = titled(program.system.as_deref());
+        let title = space_and_name(program.system.as_deref());
         let head = commented("// ", caveats(d).into_iter());
         Ok(format!(
             "// Written by sidc: the identified system{title} (Modelica).\n//\n{head}model {system}\n{}equation\n{}end {system};\n",

@@ -5,7 +5,7 @@
 
 use crate::caveats::{caveats, delays, python_constants};
 use crate::code::bracket_lists::LINE_WIDTH;
-use crate::code::identifiers::titled;
+use crate::code::identifiers::space_and_name;
 use crate::code::infix::Syntax;
 use crate::code::parameters::{Parameter, Parameters, numbers};
 use crate::code::printer::{Dialect, Language, Printer, commented, used_helpers};
@@ -28,7 +28,7 @@ impl Language for Python {
     }
 
     fn header(&self, d: &Discovery, program: &Program) -> String {
-        let system = titled(program.system.as_deref());
+        let system = space_and_name(program.system.as_deref());
         let mut out =
             format!("\"\"\"Written by sidc: the identified system{system} as code, for numpy.\n");
         if let (Some(_), false) = (program.get(Kind::Rates), program.discrete) {

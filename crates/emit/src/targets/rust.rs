@@ -5,7 +5,7 @@
 
 use crate::caveats::{caveats, delays, verdict_summary};
 use crate::code::bracket_lists::{LINE_WIDTH, list, unpacked_names};
-use crate::code::identifiers::{plain, titled};
+use crate::code::identifiers::{plain, space_and_name};
 use crate::code::infix::Syntax;
 use crate::code::parameters::{Parameter, Parameters, numbers};
 use crate::code::printer::{
@@ -36,7 +36,7 @@ impl Language for Rust {
     }
 
     fn header(&self, d: &Discovery, program: &Program) -> String {
-        let system = titled(program.system.as_deref());
+        let system = space_and_name(program.system.as_deref());
         let mut out = format!("// Written by sidc: the identified system{system} as code.\n");
         out.push_str(&commented("// ", caveats(d).into_iter()));
         out.push_str("//\n");

@@ -191,7 +191,7 @@ impl Math<'_> {
             Some(Node::Reciprocal(a)) => apply("divide", &[number(1.0), self.text(*a)]),
             Some(Node::Root(a)) => apply("root", &[self.text(*a)]),
             Some(Node::Power(a, p)) => apply("power", &[self.text(*a), number(f64::from_bits(*p))]),
-            Some(Node::Raised(a, p)) => apply("power", &self.texts(&[*a, *p])),
+            Some(Node::SymbolicPower(a, p)) => apply("power", &self.texts(&[*a, *p])),
             Some(Node::Call(f, arguments)) => call(*f, &self.texts(arguments)),
             Some(Node::Sum(start, parts)) => {
                 let start = f64::from_bits(*start);

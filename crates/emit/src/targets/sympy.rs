@@ -4,7 +4,7 @@
 //! derivatives are not solved.
 
 use crate::caveats::{caveats, python_constants};
-use crate::code::identifiers::{Identifiers, plain, titled};
+use crate::code::identifiers::{Identifiers, plain, space_and_name};
 use crate::code::infix::{Infix, Syntax};
 use crate::code::printer::commented;
 use crate::code::program::{Body, Name, Program, Step};
@@ -39,7 +39,7 @@ impl Target for Sympy {
 }
 
 fn header(d: &Discovery, program: &Program) -> String {
-    let system = titled(program.system.as_deref());
+    let system = space_and_name(program.system.as_deref());
     let unknown = match program.discrete {
         true => "next state",
         false => "highest derivatives",

@@ -170,11 +170,11 @@ fn controllability(d: &Discovery, near: &LocalAnalysis) -> String {
 pub fn kink_warnings(d: &Discovery, near: &LocalAnalysis) -> Vec<Notice> {
     let points = near.nonsmooth.iter();
     points
-        .map(|b| Notice::new("kink", bend(d, b, &near.linear)))
+        .map(|b| Notice::new("kink", kink_text(d, b, &near.linear)))
         .collect()
 }
 
-fn bend(d: &Discovery, b: &NonsmoothPoint, l: &Linear) -> String {
+fn kink_text(d: &Discovery, b: &NonsmoothPoint, l: &Linear) -> String {
     let places = places(d, b, l);
     let place = meeting(d, b);
     let mut text = match places.iter().any(|p| p.jumps) {

@@ -151,14 +151,14 @@ fn prediction(d: &Discovery, p: &Prediction, data: &str) -> Vec<String> {
             parts.push(format!("{hidden} more with smaller parts of their spread"));
         }
         parts.push(format!("90 % of {reached} starts on {data}"));
-        parts.extend(shown(d, p).into_iter().filter_map(missed));
+        parts.extend(shown(d, p).into_iter().filter_map(band_misses));
         for ended in &p.ended {
             parts.push(format!("{} more end early ({})", ended.starts, ended.code));
         }
     }
-    let until = until(p);
+    let divergence_time = divergence_time(p);
     let rival = rival(d, p).map(|r| r.text().to_string());
-    parts.extend(until.into_iter().chain(rival));
+    parts.extend(divergence_time.into_iter().chain(rival));
     parts.extend(p.unavailable.iter().map(|why| why.text.clone()));
     parts.extend(met);
     parts
@@ -195,7 +195,7 @@ fn signal(s: &SignalPrediction) -> String {
 }
 
 /// Set if predictions of held-out data miss a band more than twice as often as the one time in ten that it promises.
-fn missed(s: &SignalPrediction) -> Option<String> {
+fn band_misses(s: &SignalPrediction) -> Option<String> {
     let band = s.band.as_ref()?;
     let held = band.held_out.as_ref().filter(|h| h.fixed < 0.8)?;
     Some(format!(
@@ -270,7 +270,7 @@ fn loses(s: &SignalPrediction, own: ErrorFigures, other: Option<ErrorFigures>) -
 }
 
 /// What to try if something simpler predicts better than equations that have no other doubt.
-pub fn instead(d: &Discovery, rival: Rival) -> String {
+pub fn rival_advice(d: &Discovery, rival: Rival) -> String {
     match rival {
         Rival::NoChange => {
             "look where they fail: no change at all predicts better than these equations".into()
@@ -291,7 +291,7 @@ pub fn instead(d: &Discovery, rival: Rival) -> String {
 }
 
 /// The earliest time at which the error of a signal reaches half its spread.
-fn until(p: &Prediction) -> Option<String> {
+fn divergence_time(p: &Prediction) -> Option<String> {
     let reached = p
         .signals
         .iter()
@@ -305,8 +305,8 @@ fn until(p: &Prediction) -> Option<String> {
 }
 
 fn not_good(p: &Prediction) -> String {
-    let missed = p.signals.iter().find(|s| s.good == Some(false));
-    match missed.and_then(|s| Some((s, s.limit?))) {
+    let band_misses = p.signals.iter().find(|s| s.good == Some(false));
+    match band_misses.and_then(|s| Some((s, s.limit?))) {
         Some((s, limit)) => format!(
             "not good enough: {} is to be within {}",
             s.signal,

@@ -12,7 +12,7 @@ use crate::source::Span;
 use crate::thresholds::MODEL;
 
 /// The file with every family written out, and the errors of those that could not be; `None` if there are none.
-pub fn write_out(file: &File) -> Option<(File, Vec<Diagnostic>)> {
+pub fn expand_families(file: &File) -> Option<(File, Vec<Diagnostic>)> {
     let is_family = |s: &Statement| matches!(s.kind, StatementKind::Family { .. });
     if !file.statements.iter().any(is_family) {
         return None;

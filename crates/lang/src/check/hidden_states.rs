@@ -45,7 +45,7 @@ impl Checker<'_> {
     fn sensor(&self, model: &Model, id: VarId, var: &Var, at: Span) -> Vec<Diagnostic> {
         let said = [
             (!var.noise.is_empty(), "the noise", "noise"),
-            (var.noise_memory.is_some(), "the memory", "memory"),
+            (var.noise_time_constant.is_some(), "the memory", "memory"),
             (var.delay.is_some(), "the delay", "delay"),
         ];
         let said = said

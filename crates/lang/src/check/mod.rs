@@ -30,7 +30,7 @@ pub use vocabulary::{GeneratorSignature, Vocabulary};
 
 /// Checks one file. The model is `None` only if there are errors, here or in the text (`file.broken`).
 pub fn check(file: &File, vocabulary: &Vocabulary) -> (Option<Model>, Vec<Diagnostic>) {
-    let Some((written, mut found)) = families::write_out(file) else {
+    let Some((written, mut found)) = families::expand_families(file) else {
         return check_equations(file, vocabulary);
     };
     let (model, more) = check_equations(&written, vocabulary);

@@ -14,9 +14,9 @@ use crate::diagnostic::{Diagnostic, Edit, Fix};
 use crate::source::{FileId, Span};
 
 /// Largest number of diagnostics that get such fixes; a text with more errors is hardly a model.
-const MOST: usize = 1000;
+const MAX_DIAGNOSTICS: usize = 1000;
 /// Largest number of bytes that one fix may rewrite, to bound the memory of all fixes.
-const LONGEST: usize = 20_000;
+const MAX_FIX_BYTES: usize = 20_000;
 
 pub fn complete(found: &mut [Diagnostic], file: &File) {
     let texts = [file.id]
@@ -24,7 +24,11 @@ pub fn complete(found: &mut [Diagnostic], file: &File) {
         .chain(file.included.iter().map(|(id, _)| *id));
     let texts: BTreeMap<FileId, FixBuilder> =
         texts.map(|id| (id, FixBuilder::of(file, id))).collect();
-    for d in found.iter_mut().filter(|d| !d.edits.is_empty()).take(MOST) {
+    for d in found
+        .iter_mut()
+        .filter(|d| !d.edits.is_empty())
+        .take(MAX_DIAGNOSTICS)
+    {
         let place = d.labels.iter().find(|l| l.primary).map(|l| l.span.file);
         let Some(surroundings) = place.and_then(|id| texts.get(&id)) else {
             continue;
@@ -102,7 +106,7 @@ impl<'a> FixBuilder<'a> {
         parts.sort_by_key(|p| (p.span.start, p.span.end));
         let (first, last) = (parts.first()?.span, parts.last()?.span);
         let span = first.to(last);
-        if span.end - span.start > LONGEST {
+        if span.end - span.start > MAX_FIX_BYTES {
             return None;
         }
         let apart = |pair: &[Fix]| matches!(pair, [a, b] if a.span.end <= b.span.start);

@@ -3,7 +3,7 @@
 //! In: places. Out: the changes of the text, to be made together.
 
 use super::removal::{attribute_span, is_generator};
-use super::{FixBuilder, LONGEST, said};
+use super::{FixBuilder, MAX_FIX_BYTES, said};
 use crate::ast::{Expr, ExprKind, Side, Sign, StatementKind};
 use crate::diagnostic::Fix;
 use crate::parse::lexer::{Token, TokenKind, tokenize};
@@ -82,7 +82,7 @@ impl FixBuilder<'_> {
     pub fn renamed(&self, at: Span, old: &str, new: &str) -> Option<Fix> {
         let span = self.statement_span(at);
         let text = self.text(span);
-        if text.len() > LONGEST {
+        if text.len() > MAX_FIX_BYTES {
             return None;
         }
         let (tokens, _) = tokenize(span.file, text);

@@ -302,7 +302,7 @@ impl<'t> Lexer<'t> {
             let (whole, ours) = self.name_without_index(start);
             self.bad(start, syntax_errors::index(self.span(start), whole, ours));
         } else {
-            self.strange(start, c);
+            self.unexpected_character(start, c);
         }
     }
 
@@ -339,7 +339,7 @@ impl<'t> Lexer<'t> {
     }
 
     /// A character that the language does not have, with the confusable characters that follow it (`²³`).
-    fn strange(&mut self, start: usize, c: char) {
+    fn unexpected_character(&mut self, start: usize, c: char) {
         self.at += c.len_utf8();
         if confusables::ascii(c) == Some("\"")
             && let Some((inside, end)) = self.to_pasted_quote()

@@ -10,7 +10,7 @@ use crate::thresholds::MESSAGES;
 const LEFT_OUT: char = '…';
 
 /// A diagnostic whose lines fit, with its texts.
-pub(crate) struct Short {
+pub(crate) struct Shortened {
     pub finding: Diagnostic,
     pub sources: Sources,
     /// File, byte offset in the cut text, and column in the whole text, from 1.
@@ -18,13 +18,13 @@ pub(crate) struct Short {
 }
 
 /// `None` if no text that would be shown has a long line.
-pub(crate) fn shorten(d: &Diagnostic, sources: &Sources) -> Option<Short> {
+pub(crate) fn shorten(d: &Diagnostic, sources: &Sources) -> Option<Shortened> {
     let files = d.labels.iter().map(|l| l.span.file);
     let long: Vec<FileId> = files.filter(|f| has_long_lines(*f, sources)).collect();
     if long.is_empty() {
         return None;
     }
-    let mut short = Short {
+    let mut short = Shortened {
         finding: d.clone(),
         sources: sources.clone(),
         columns: Vec::new(),

@@ -111,24 +111,27 @@ fn convert(d: &Diagnostic, sources: &Sources) -> report::Diagnostic<FileId> {
             l.span.file,
             visible(l.span.start..l.span.end, sources.get(l.span.file)),
         )
-        .with_message(printable(&brief(&l.text)))
+        .with_message(printable(&truncate_middle(&l.text)))
     });
-    let help = d.help.iter().map(|h| wrap("help: ", &printable(&brief(h))));
+    let help = d
+        .help
+        .iter()
+        .map(|h| wrap("help: ", &printable(&truncate_middle(h))));
     report::Diagnostic::new(severity)
         .with_code(d.code)
-        .with_message(printable(&brief(&d.message)))
+        .with_message(printable(&truncate_middle(&d.message)))
         .with_labels(labels.collect())
         .with_notes(
             d.notes
                 .iter()
-                .map(|n| wrap("", &printable(&brief(n))))
+                .map(|n| wrap("", &printable(&truncate_middle(n))))
                 .chain(help)
                 .collect(),
         )
 }
 
 /// A text without its middle if it is very long: names from files may have any length.
-fn brief(text: &str) -> String {
+fn truncate_middle(text: &str) -> String {
     let length = text.chars().count();
     if length <= MESSAGES.text {
         return text.to_string();
@@ -294,11 +297,11 @@ mod tests {
     #[test]
     fn long_texts_lose_their_middle_and_nothing_else() {
         let exactly = "ä".repeat(MESSAGES.text);
-        assert_eq!(brief(&exactly), exactly);
+        assert_eq!(truncate_middle(&exactly), exactly);
         let long: String = (0..3 * MESSAGES.text)
             .map(|i| char::from(b'a' + (i % 23) as u8))
             .collect();
-        let (start, end) = brief(&long)
+        let (start, end) = truncate_middle(&long)
             .split_once('…')
             .map(|(a, b)| (a.to_string(), b.to_string()))
             .unwrap();

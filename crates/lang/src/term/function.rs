@@ -155,7 +155,7 @@ fn one_plus(k: f64, x: Expr) -> Expr {
 ///
 /// Compares the extreme so far with the next argument, from left to right. A tie gives half to each side, so that the derivatives with
 /// respect to all arguments add up to 1 however many are tied.
-fn picks(f: &str, toward: f64, x: &[Expr], i: usize) -> Expr {
+fn extremum_derivative(f: &str, toward: f64, x: &[Expr], i: usize) -> Expr {
     let best = |n: usize| match (Func::named(f), x.get(..n)) {
         (Some(f), Some(first)) if n > 1 => Expr::call(f, first.to_vec()),
         _ => x.first().cloned().unwrap_or_default(),
@@ -192,8 +192,8 @@ pub static FUNCTIONS: &[Function] = &[
     one("abs",  |x| x[0].abs(),  |x, _| of("sign", &x[0]), "", r"\operatorname{abs}", spelled("abs", "fabs", "abs", "Abs", "abs")).even().with_units(UnitRule::Kept),
     one("sign", |x| sign(x[0]),  |_, _| Expr::zero(), "", r"\operatorname{sign}", spelled("sign", "sidc_sign", "sign", "sign", "sign")).odd().with_units(UnitRule::Lost),
     one("step", |x| step(x[0]), |_, _| Expr::zero(), "", r"\operatorname{step}", spelled("sign", "sidc_sign", "sign", "sign", "sign")).with_units(UnitRule::Lost),
-    Function { name: "min", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::NAN, f64::min), slope: |x, i| picks("min", -1.0, x, i), domain: "", latex: r"\min", spelling: spelled("min", "fmin", "fmin", "Min", "min"), symmetry: Symmetry::None, units: UnitRule::Kept },
-    Function { name: "max", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::NAN, f64::max), slope: |x, i| picks("max", 1.0, x, i), domain: "", latex: r"\max", spelling: spelled("max", "fmax", "fmax", "Max", "max"), symmetry: Symmetry::None, units: UnitRule::Kept },
+    Function { name: "min", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::NAN, f64::min), slope: |x, i| extremum_derivative("min", -1.0, x, i), domain: "", latex: r"\min", spelling: spelled("min", "fmin", "fmin", "Min", "min"), symmetry: Symmetry::None, units: UnitRule::Kept },
+    Function { name: "max", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::NAN, f64::max), slope: |x, i| extremum_derivative("max", 1.0, x, i), domain: "", latex: r"\max", spelling: spelled("max", "fmax", "fmax", "Max", "max"), symmetry: Symmetry::None, units: UnitRule::Kept },
 ];
 
 /// A function by its place in [`FUNCTIONS`].

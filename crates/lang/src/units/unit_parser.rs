@@ -20,19 +20,19 @@ pub struct UnitSyntaxError {
     pub label: String,
     pub fix: String,
     /// The whole text as it may have been meant.
-    pub mended: String,
+    pub suggestion: String,
 }
 
 impl UnitSyntaxError {
     /// Suggests `ours` at the place of the error.
     fn mended_here(mut self, text: &str, ours: &str) -> Self {
         let (before, after) = (text.get(..self.at.start), text.get(self.at.end..));
-        self.mended = format!("{}{ours}{}", before.unwrap_or(""), after.unwrap_or(""));
+        self.suggestion = format!("{}{ours}{}", before.unwrap_or(""), after.unwrap_or(""));
         self
     }
 
-    fn mended(mut self, text: impl Into<String>) -> Self {
-        self.mended = text.into();
+    fn suggestion(mut self, text: impl Into<String>) -> Self {
+        self.suggestion = text.into();
         self
     }
 }
@@ -53,13 +53,13 @@ pub struct Misspelling {
 /// The first thing in it that cannot be part of a unit.
 pub fn parse(text: &str) -> Result<(Unit, Vec<Misspelling>), UnitSyntaxError> {
     if text.len() > UNITS.text {
-        return Err(fault(
+        return Err(syntax_error(
             0..text.len(),
             format!("a unit of {} bytes", text.len()),
             format!("the limit is {}", UNITS.text),
             "write a short name of your own, such as \"widgets\"",
         )
-        .mended("widgets"));
+        .suggestion("widgets"));
     }
     let mut reader = Parser {
         text,
@@ -78,14 +78,14 @@ pub fn parse(text: &str) -> Result<(Unit, Vec<Misspelling>), UnitSyntaxError> {
     }
 }
 
-fn fault(at: Range<usize>, cause: String, label: String, fix: &str) -> UnitSyntaxError {
+fn syntax_error(at: Range<usize>, cause: String, label: String, fix: &str) -> UnitSyntaxError {
     let fix = fix.to_string();
     UnitSyntaxError {
         at,
         cause,
         label,
         fix,
-        mended: String::new(),
+        suggestion: String::new(),
     }
 }
 
@@ -179,7 +179,7 @@ impl<'t> Parser<'t> {
             let next = self.factor()?;
             if divided {
                 let all = self.text.get(start..self.at).unwrap_or("");
-                return Err(fault(
+                return Err(syntax_error(
                     start..self.at,
                     "a unit with two readings".into(),
                     "is all of this below the line?".into(),
@@ -211,13 +211,13 @@ impl<'t> Parser<'t> {
         self.take();
         self.nested += 1;
         if self.nested > UNITS.nesting {
-            return Err(fault(
+            return Err(syntax_error(
                 start..self.at,
                 "brackets in a unit are nested too deep".into(),
                 format!("the limit is {}", UNITS.nesting),
                 "write it without them: \"kg*m/s^2\"",
             )
-            .mended(self.text.replace(['(', ')'], "")));
+            .suggestion(self.text.replace(['(', ')'], "")));
         }
         self.spaces();
         let unit = self.quotient()?;
@@ -225,13 +225,13 @@ impl<'t> Parser<'t> {
         if self.take_if(|c| c == ')').is_none() {
             return Err(match self.peek() {
                 Some(_) => self.stray(),
-                None => fault(
+                None => syntax_error(
                     start..start + 1,
                     "a bracket in a unit is not closed".into(),
                     "no `)` follows".into(),
                     &format!("write \"{})\"", self.text),
                 )
-                .mended(format!("{})", self.text)),
+                .suggestion(format!("{})", self.text)),
             });
         }
         Ok(unit)
@@ -277,7 +277,7 @@ impl<'t> Parser<'t> {
         if digits == "1" {
             return Ok(Unit::one());
         }
-        Err(fault(
+        Err(syntax_error(
             start..self.at,
             "a number in a unit".into(),
             "only `1` stands for itself".into(),
@@ -370,7 +370,7 @@ impl<'t> Parser<'t> {
     }
 
     fn no_exponent(&self, start: usize) -> UnitSyntaxError {
-        fault(
+        syntax_error(
             start..self.at.max(start + 1),
             "this is no exponent of a unit".into(),
             format!("a number from -{0} to {0}", UNITS.exponent),
@@ -380,7 +380,7 @@ impl<'t> Parser<'t> {
     }
 
     fn too_high(&self, start: usize) -> UnitSyntaxError {
-        fault(
+        syntax_error(
             start..self.at,
             "an exponent beyond any unit".into(),
             format!("the limit is {}", UNITS.exponent),
@@ -393,14 +393,14 @@ impl<'t> Parser<'t> {
     fn stray(&self) -> UnitSyntaxError {
         let example = "write it like \"m/s^2\", \"kg*m^2\", \"1/s\" or \"%\"";
         match self.peek() {
-            Some(c) => fault(
+            Some(c) => syntax_error(
                 self.at..self.at + c.len_utf8(),
                 "this cannot be read as a unit".into(),
                 "not here".into(),
                 example,
             )
             .mended_here(self.text, ""),
-            None => fault(
+            None => syntax_error(
                 self.text.char_indices().last().map_or(0, |(i, _)| i)..self.text.len(),
                 "the unit ends early".into(),
                 "something should follow".into(),

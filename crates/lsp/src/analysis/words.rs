@@ -72,7 +72,7 @@ pub fn words(tokens: &[Token], statements: &[StatementTokens], symbols: &Symbols
             TokenKind::Bad => Role::Other,
             TokenKind::Name => {
                 let starts_entry = entries.get(entry).is_some_and(|e| e.start == i);
-                let around = Around {
+                let around = TokenContext {
                     tokens,
                     i,
                     own,
@@ -92,7 +92,7 @@ pub fn words(tokens: &[Token], statements: &[StatementTokens], symbols: &Symbols
 }
 
 /// A name with its context.
-struct Around<'a, 't> {
+struct TokenContext<'a, 't> {
     tokens: &'a [Token<'t>],
     i: usize,
     own: Option<&'a StatementTokens>,
@@ -101,7 +101,7 @@ struct Around<'a, 't> {
     starts_entry: bool,
 }
 
-impl Around<'_, '_> {
+impl TokenContext<'_, '_> {
     fn next(&self) -> Option<&Token<'_>> {
         let mut after = self.tokens.iter().skip(self.i + 1);
         after.find(|t| t.kind != TokenKind::Comment)

@@ -111,7 +111,7 @@ impl Place<'_> {
         if keyword == Some(Keyword::Data) {
             return self.data(statement.bytes.end);
         }
-        if self.new_line() && !self.goes_on() {
+        if self.new_line() && !self.continues() {
             return self.fresh(Context::Statement);
         }
         let colon = self.in_statement().any(|w| self.is(w, ":"));
@@ -186,7 +186,7 @@ impl Place<'_> {
     }
 
     /// Whether the statement continues on the next line: after an operator or a comma, or inside brackets.
-    fn goes_on(&self) -> bool {
+    fn continues(&self) -> bool {
         let open: i64 = self
             .in_statement()
             .map(|w| match self.document.slice(w.bytes.clone()) {

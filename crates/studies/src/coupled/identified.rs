@@ -10,7 +10,7 @@ use sidc_progress::Unwatched;
 use sidc_testing::plants::coupled::{Factor, Point};
 
 use super::library::POWER;
-use super::run::{Case, Plan, Posed, problems};
+use super::run::{Case, Plan, RegressionCase, problems};
 use super::trial::{Outcome, judged};
 
 /// # Errors
@@ -19,7 +19,7 @@ pub fn identified(case: &Case, plan: &Plan) -> Result<Vec<Outcome>, String> {
     problems(case, plan, asked).into_iter().collect()
 }
 
-fn asked(posed: &Posed) -> Result<Outcome, String> {
+fn asked(posed: &RegressionCase) -> Result<Outcome, String> {
     let start = Instant::now();
     let (system, law) = (posed.system, posed.law);
     let target = system.name(Factor::Acceleration(law.coordinate));
@@ -62,7 +62,7 @@ fn asked(posed: &Posed) -> Result<Outcome, String> {
 }
 
 /// Every signal of the system, by name.
-fn signals(posed: &Posed) -> Vec<(String, Vec<f64>)> {
+fn signals(posed: &RegressionCase) -> Vec<(String, Vec<f64>)> {
     let system = posed.system;
     let coordinates = 0..system.coordinates();
     let of = |i| {

@@ -56,7 +56,7 @@ pub fn cases(families: &[Family], seeds: std::ops::Range<u64>) -> Vec<Case> {
 }
 
 /// One law, one library, rows of one record.
-pub struct Posed<'a> {
+pub struct RegressionCase<'a> {
     pub system: &'a Coupled,
     pub law: &'a Law,
     pub library: &'a Library,
@@ -66,7 +66,7 @@ pub struct Posed<'a> {
 
 /// Trials of every grading for every problem.
 pub fn trials(case: &Case, plan: &Plan) -> Vec<Trial> {
-    let tried = |posed: &Posed| {
+    let tried = |posed: &RegressionCase| {
         let points: Vec<&Point> = posed.rows.iter().map(|(_, p)| p).collect();
         let target = points.iter().map(|p| p.accelerations[posed.law.coordinate]);
         let target: Vec<f64> = target.collect();
@@ -93,7 +93,7 @@ pub fn trials(case: &Case, plan: &Plan) -> Vec<Trial> {
 }
 
 /// Applies `work` to every problem of a case.
-pub fn problems<A>(case: &Case, plan: &Plan, mut work: impl FnMut(&Posed) -> A) -> Vec<A> {
+pub fn problems<A>(case: &Case, plan: &Plan, mut work: impl FnMut(&RegressionCase) -> A) -> Vec<A> {
     let system = Coupled::draw(case.family, case.seed);
     let record = system.record(case.swing, ROWS, STEP);
     let mut made = Vec::new();
@@ -109,7 +109,7 @@ pub fn problems<A>(case: &Case, plan: &Plan, mut work: impl FnMut(&Posed) -> A) 
             done.push(atoms);
             for rows in &plan.rows {
                 let picked = split(record.len(), 1, Some(*rows), case.seed).used;
-                made.push(work(&Posed {
+                made.push(work(&RegressionCase {
                     system: &system,
                     law: &law,
                     library: &library,

@@ -65,7 +65,7 @@ impl Case {
                 &drawn
             }
         };
-        let spoil = |clean: &Table| {
+        let add_noise = |clean: &Table| {
             let mut table = Table {
                 comments: Vec::new(),
                 rows: clean.rows.clone(),
@@ -85,7 +85,7 @@ impl Case {
             }
             table.csv()
         };
-        tables.iter().map(spoil).collect()
+        tables.iter().map(add_noise).collect()
     }
 }
 

@@ -3,7 +3,7 @@
 use sidc_progress::Unwatched;
 use sidc_solve::{SOLVERS, refit};
 
-use super::phase::{bound, spoil};
+use super::phase::{add_noise, bound};
 use super::plot::{Axis, Figure, Look, Mark, Panel};
 use super::setup::{Law, Setup, draw};
 use super::success::symbol;
@@ -44,7 +44,7 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
             let of = |(seed, record): (usize, &super::record::Record)| {
                 let law = &setup.laws[*law];
                 let mut taken = draw(record, SAMPLES, seed as u64);
-                let sigma = spoil(&mut taken, law.target, levels[*place], 77 + seed as u64);
+                let sigma = add_noise(&mut taken, law.target, levels[*place], 77 + seed as u64);
                 Ok(errors(
                     law,
                     &setup.regression(law, &taken)?,

@@ -38,7 +38,7 @@ pub fn bound(sigma: f64, rows: usize) -> f64 {
 }
 
 /// Adds normal noise to one signal, relative to its root mean square. Returns the standard deviation.
-pub fn spoil(record: &mut Record, signal: &str, noise: f64, seed: u64) -> f64 {
+pub fn add_noise(record: &mut Record, signal: &str, noise: f64, seed: u64) -> f64 {
     let size = |v: &[f64]| (v.iter().map(|y| y * y).sum::<f64>() / v.len().max(1) as f64).sqrt();
     let sigma = noise * size(record.column(signal));
     let mut random = Random::new(seed);
@@ -134,7 +134,7 @@ fn found(
     seed: u64,
 ) -> Result<bool, Fault> {
     let law = &setup.laws[0];
-    let sigma = spoil(&mut record, law.target, noise, 31 + seed);
+    let sigma = add_noise(&mut record, law.target, noise, 31 + seed);
     let Some(solver) = solver(way) else {
         return identified(&setup.program, law, &record, sigma);
     };

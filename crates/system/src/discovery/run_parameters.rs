@@ -60,7 +60,7 @@ impl RunParameters {
                 kind: VarKind::Param,
                 order: 0,
                 noise: Default::default(),
-                noise_memory: None,
+                noise_time_constant: None,
                 hidden: false,
                 unit: None,
                 between: None,

@@ -6,7 +6,7 @@
 use super::arguments::Args;
 use crate::outputs::paths::quoted;
 use sidc::pipeline::ModelSource;
-use sidc_emit::{TEXT_WIDTH, instead, rival, wrapped};
+use sidc_emit::{TEXT_WIDTH, rival, rival_advice, wrapped};
 use sidc_lang::term::SignalNames;
 use sidc_system::discovery::{Change, Discovery, ReasonCode};
 use sidc_system::predict::Prediction;
@@ -31,8 +31,8 @@ pub fn line(
     // On data that it was fitted to, a linear model proves nothing.
     let simpler = rival(discovery, prediction).filter(|_| held_out);
     let step = match (reasons.first(), simpler) {
-        (None, Some(rival)) => words(&instead(discovery, rival)),
-        (None, None) => command(&afterwards(args, &source.files, held_out)),
+        (None, Some(rival)) => words(&rival_advice(discovery, rival)),
+        (None, None) => command(&step_after_pass(args, &source.files, held_out)),
         (Some(first), _) => {
             let cost = first.reason.code.cost();
             let alike = reasons.iter().filter(|r| r.reason.code.cost() == cost);
@@ -119,7 +119,7 @@ fn command(text: &str) -> String {
 }
 
 /// The next step after an answer without doubts.
-fn afterwards(args: &Args, files: &[FileEntry], held_out: bool) -> String {
+fn step_after_pass(args: &Args, files: &[FileEntry], held_out: bool) -> String {
     match &args.output {
         _ if !held_out => again(HELD_OUT),
         None => again(&format!("-o {RESULT}")),

@@ -109,7 +109,7 @@ impl<'a> Sweep<'a> {
             columns: &block.columns[b * n * p..(b + 1) * n * p],
             defect: &defect,
         };
-        let mut tied = match self.record.noise_memory.is_empty() {
+        let mut tied = match self.record.noise_time_constant.is_empty() {
             true => Vec::new(),
             false => self.readings(k + 1),
         };

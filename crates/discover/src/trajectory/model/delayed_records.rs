@@ -222,7 +222,7 @@ impl Plan {
             trajectory: record.trajectory,
             measured,
             relative_noise,
-            noise_memory: record.noise_memory.clone(),
+            noise_time_constant: record.noise_time_constant.clone(),
             exogenous: exogenous.collect(),
             curved: record.curved,
             time: nodes,

@@ -2,6 +2,7 @@
 //!
 //! In: a checked model, its libraries, a dataset. Out: a [`Problem`], which stays the same while supports are tried.
 
+mod autocorrelated_noise;
 mod coefficient_constraints;
 mod constant_values;
 mod delayed_records;
@@ -11,7 +12,6 @@ mod extra_columns;
 mod growth;
 mod held_sample;
 mod hidden_states;
-mod lasting_noise;
 mod noise_growth;
 mod noisy_inputs;
 mod observed_part;

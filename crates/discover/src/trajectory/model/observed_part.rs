@@ -60,7 +60,7 @@ impl Problem {
             record.exogenous = exogenous.iter().map(of).collect();
             record.measured = pick(&record.measured, &kept, n);
             record.relative_noise = pick(&record.relative_noise, &kept, n);
-            record.noise_memory = pick(&record.noise_memory, &kept, n);
+            record.noise_time_constant = pick(&record.noise_time_constant, &kept, n);
         }
         for curve in &mut problem.smoothed {
             curve.states = pick(&curve.states, &kept, n);

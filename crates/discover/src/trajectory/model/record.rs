@@ -25,7 +25,7 @@ pub struct Record {
     /// Noise of each state's readings relative to the level of their sensor, each column of length M; empty where it is the same for all.
     pub relative_noise: Vec<Vec<f64>>,
     /// Time constant (s) of the noise of each state's readings; 0 for white noise, empty where all are white.
-    pub noise_memory: Vec<f64>,
+    pub noise_time_constant: Vec<f64>,
     /// The exogenous signals of the system, in its order.
     pub exogenous: Vec<Exogenous>,
     /// Whether exogenous signals that are not held run along cubics through four samples instead of straight.
@@ -66,7 +66,7 @@ impl Record {
                 .iter()
                 .map(|all| all.get(samples.clone()).unwrap_or(&[]).to_vec())
                 .collect(),
-            noise_memory: self.noise_memory.clone(),
+            noise_time_constant: self.noise_time_constant.clone(),
             exogenous: exogenous.collect(),
             curved: self.curved,
         }
@@ -81,7 +81,7 @@ impl Record {
     /// The share of a reading's error, over its relative noise, that lasts from the sample before: 0 for white noise, and where that sample
     /// has no reading.
     pub(crate) fn lasting_at(&self, state: usize, k: usize) -> f64 {
-        let memory = self.noise_memory.get(state).copied().unwrap_or(0.0);
+        let memory = self.noise_time_constant.get(state).copied().unwrap_or(0.0);
         if memory <= 0.0 || k == 0 {
             return 0.0;
         }
@@ -223,7 +223,7 @@ fn record(
             .map(|s| cut(*s).unwrap_or_else(unmeasured))
             .collect(),
         relative_noise: Vec::new(),
-        noise_memory: Vec::new(),
+        noise_time_constant: Vec::new(),
         exogenous,
         curved: false,
     })

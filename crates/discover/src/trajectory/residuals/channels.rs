@@ -77,7 +77,7 @@ impl Problem {
             residual: noise(self, i),
             noise: noise(self, i),
             growth: None,
-            lasting: self.noise_memory(i),
+            lasting: self.noise_time_constant(i),
             noise_ratio: 1.0,
             accuracy: accuracy(self, i),
             spread: self.spread[i],
@@ -119,7 +119,8 @@ fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
     let (mut sums, mut total) = ([0.0; WHITENESS_LAGS], 0.0);
     let (mut square, mut excess, mut rounded) = (0.0, 0.0, [0.0; WHITENESS_LAGS]);
     // Smoothing takes noise that lasts from sample to sample for motion, so its estimate of that noise is too small.
-    let own_scale = problem.noise_memory(state).is_some() && problem.declared[state].is_none();
+    let own_scale =
+        problem.noise_time_constant(state).is_some() && problem.declared[state].is_none();
     let coarse = problem.quantization[state].filter(|l| l.matters(noise(problem, state)));
     for (r, (record, path)) in problem.records.iter().zip(fit.paths()).enumerate() {
         let sensor = problem.sensors.of(r).start + state;
@@ -167,7 +168,7 @@ fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
             false => noise(problem, state),
         },
         growth: growth(problem, fit, state),
-        lasting: problem.noise_memory(state),
+        lasting: problem.noise_time_constant(state),
         noise_ratio: (excess / m).sqrt(),
         accuracy: accuracy(problem, state),
         spread: problem.spread[state],

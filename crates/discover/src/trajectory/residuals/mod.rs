@@ -9,12 +9,12 @@ mod errors_ahead;
 mod fitted_signals;
 mod golden_section;
 mod noise_growth;
-mod noise_memory;
+mod noise_time_constant;
 mod outliers;
 
 pub use channels::{Channel, File, channels};
 pub(crate) use effective_sample_size::statistical_inefficiency;
 pub use errors_ahead::{log_error_ahead, own_time};
 pub use noise_growth::{GrownNoise, grow_noise};
-pub use noise_memory::{LastingNoise, lasting_noise};
+pub use noise_time_constant::{LastingNoise, autocorrelated_noise};
 pub use outliers::{Outliers, leave_out};

@@ -251,7 +251,7 @@ fn flow(system: &System, active: &[usize], a: &[f64], states: &[f64]) -> Interva
         time: vec![0.0, 0.05, 0.12],
         measured: vec![vec![f64::NAN; 3]; n],
         relative_noise: Vec::new(),
-        noise_memory: Vec::new(),
+        noise_time_constant: Vec::new(),
         exogenous: vec![exogenous; system.exogenous.len()],
         curved: false,
     };

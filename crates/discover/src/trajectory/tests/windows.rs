@@ -48,7 +48,7 @@ fn windows_swept_again_give_the_states_of_whole_records() {
 fn check_windows(memory: Vec<f64>) {
     let mut problem = cart_runs([300, 129]);
     for record in &mut problem.records {
-        record.noise_memory.clone_from(&memory);
+        record.noise_time_constant.clone_from(&memory);
     }
     let laws: [(usize, &[&str]); 4] = [(0, &["1"]), (0, &["6"]), (1, &["2"]), (1, &["4"])];
     let point = LinearizationPoint {

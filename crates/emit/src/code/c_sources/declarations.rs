@@ -4,7 +4,7 @@
 //! system.
 
 use crate::caveats::{caveats, delays, verdict_summary};
-use crate::code::identifiers::{ascii, plain, titled};
+use crate::code::identifiers::{ascii, plain, space_and_name};
 use crate::code::parameters::{Parameters, number, numbers};
 use crate::code::printer::commented;
 use crate::code::program::{Function, Kind, Program};
@@ -51,7 +51,7 @@ impl<const SINGLE: bool> Target for Header<SINGLE> {
 
 /// The beginning of the first comment: what this is, the verdict, what the arguments hold.
 pub(super) fn head(d: &Discovery, program: &Program, what: &str) -> String {
-    let system = titled(program.system.as_deref());
+    let system = space_and_name(program.system.as_deref());
     let mut out = format!("/* Written by sidc: the identified system{system}{what} (C99).\n *\n");
     out.push_str(&commented(" * ", caveats(d).into_iter()));
     out.push_str(" *\n");

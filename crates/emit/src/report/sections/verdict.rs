@@ -3,7 +3,7 @@
 use crate::report::markup::{section_head, with_code};
 use crate::report::report_contents::Subject;
 use crate::report::sections::{prediction, prediction_bands};
-use crate::text::verdict::{Rival, answers, instead, rival, shown};
+use crate::text::verdict::{Rival, answers, rival, rival_advice, shown};
 use crate::thresholds::PRINTED;
 use crate::typeset::mathml::{MathMl, escape};
 use crate::unknown_constants;
@@ -188,7 +188,10 @@ fn next(s: &Subject) -> String {
         .as_ref()
         .and_then(|v| rival(d, &v.prediction));
     if let (LawVerdict::Passes, Some(rival), true) = (LawVerdict::of(d), simpler, held_out) {
-        return format!("<p><b>Next:</b> {}</p>\n", with_code(&instead(d, rival)));
+        return format!(
+            "<p><b>Next:</b> {}</p>\n",
+            with_code(&rival_advice(d, rival))
+        );
     }
     let result = escape(s.name);
     let next = match (LawVerdict::of(d), held_out) {

@@ -52,7 +52,7 @@ impl Summand<'_> {
 
 /// What holds the parts together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Joint {
+pub enum SumContext {
     /// A sum that is a whole item of a list.
     Item,
     Sum,
@@ -60,10 +60,10 @@ pub enum Joint {
     Comparison,
 }
 
-pub fn unit_sum(first: &Summand, second: &Summand, joint: Joint) -> Diagnostic {
+pub fn unit_sum(first: &Summand, second: &Summand, joint: SumContext) -> Diagnostic {
     let (a, b) = (first.unit, second.unit);
     let cannot = match joint {
-        Joint::Comparison => "compared",
+        SumContext::Comparison => "compared",
         _ => "added",
     };
     let d = Diagnostic::error("unit-sum", format!("{a} and {b} cannot be {cannot}"))
@@ -87,9 +87,9 @@ pub fn unit_sum(first: &Summand, second: &Summand, joint: Joint) -> Diagnostic {
     };
     let sign = if second.subtracted { '-' } else { '+' };
     d.help(match joint {
-        Joint::Comparison => format!("a number carries a unit: `1*{y}` with the 1 in {ratio}"),
-        Joint::Sum => format!("a number carries a unit: `{x} {sign} 1*{y}` with the 1 in {ratio}"),
-        Joint::Item => format!(
+        SumContext::Comparison => format!("a number carries a unit: `1*{y}` with the 1 in {ratio}"),
+        SumContext::Sum => format!("a number carries a unit: `{x} {sign} 1*{y}` with the 1 in {ratio}"),
+        SumContext::Item => format!(
             "two terms are `<{x}, {y}>`; in one, a number carries a unit: `{x} {sign} 1*{y}` with the 1 in {ratio}"
         ),
     })

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use crate::ast::{Call, Expr as Ast, ExprKind, Side, Sign, StatementKind};
 use crate::check::checker::Checker;
-use crate::check::errors::{self, Joint, Summand};
+use crate::check::errors::{self, SumContext, Summand};
 use crate::check::expressions::function_calls::in_call;
 use crate::check::scope::Value;
 use crate::diagnostic::Diagnostic;
@@ -20,7 +20,7 @@ use crate::units::{Commensurability, Unit};
 
 /// What is known about the unit of an expression.
 #[derive(Clone, Debug)]
-enum Measure {
+enum InferredUnit {
     /// It contains a number, which may carry any unit.
     Any,
     /// It contains a name without a unit.
@@ -62,9 +62,9 @@ impl Checker<'_> {
 struct Pass<'c, 'f> {
     checker: &'c Checker<'f>,
     /// Units of `let`s by name, each computed once.
-    lets: BTreeMap<&'f str, Measure>,
+    lets: BTreeMap<&'f str, InferredUnit>,
     /// Units of the arguments of the functions being measured, innermost last, with their values if they are numbers.
-    arguments: Vec<BTreeMap<&'f str, (Measure, Option<f64>)>>,
+    arguments: Vec<BTreeMap<&'f str, (InferredUnit, Option<f64>)>>,
     found: Vec<Diagnostic>,
 }
 
@@ -111,7 +111,7 @@ impl<'f> Pass<'_, 'f> {
             _ if self.checker.is_library(e) => self.library(e),
             ExprKind::Range(..) => {}
             ExprKind::Sum(parts) => {
-                self.alike(&signed(parts), Joint::Item);
+                self.alike(&signed(parts), SumContext::Item);
             }
             _ => {
                 self.measure(e);
@@ -119,23 +119,23 @@ impl<'f> Pass<'_, 'f> {
         }
     }
 
-    fn measure(&mut self, e: &'f Ast) -> Measure {
+    fn measure(&mut self, e: &'f Ast) -> InferredUnit {
         match &e.kind {
             ExprKind::Name(text) => self.name(text),
             ExprKind::Negate(x) | ExprKind::Group(x) => self.measure(x),
-            ExprKind::Sum(parts) => self.alike(&signed(parts), Joint::Sum),
+            ExprKind::Sum(parts) => self.alike(&signed(parts), SumContext::Sum),
             ExprKind::Product(parts) => self.product(parts),
             ExprKind::Power(base, exponent) => {
                 let base = self.measure(base);
                 let p = self.number(exponent);
-                p.map_or(Measure::Unknown, |p| base.power(p))
+                p.map_or(InferredUnit::Unknown, |p| base.power(p))
             }
             ExprKind::Call(call) => self.call(e, call),
-            _ => Measure::Any,
+            _ => InferredUnit::Any,
         }
     }
 
-    fn name(&mut self, text: &'f str) -> Measure {
+    fn name(&mut self, text: &'f str) -> InferredUnit {
         if let Some((measure, _)) = self.arguments.last().and_then(|a| a.get(text)) {
             return measure.clone();
         }
@@ -144,29 +144,29 @@ impl<'f> Pass<'_, 'f> {
             let unit = of(s.var)
                 .zip(of(VarId::TIME))
                 .and_then(|(var, time)| units::derivative(var, time, s.der));
-            return unit.map_or(Measure::Unknown, Measure::Is);
+            return unit.map_or(InferredUnit::Unknown, InferredUnit::Is);
         }
         if let Some(known) = self.lets.get(text) {
             return known.clone();
         }
         let value = self.checker.scope.lets.get(text).map(|l| &l.value);
         if !matches!(value, Some(Value::Expr { .. })) {
-            return Measure::Any;
+            return InferredUnit::Any;
         }
         let body = self.checker.statements().find_map(|s| match &s.kind {
             StatementKind::Let { name, body } if name.text == text => Some(body),
             _ => None,
         });
         let Some(body) = body else {
-            return Measure::Any;
+            return InferredUnit::Any;
         };
         let found = self.measure(body);
         self.lets.insert(text, found.clone());
         found
     }
 
-    fn product(&mut self, parts: &'f [(Side, Ast)]) -> Measure {
-        let mut out = Measure::Is(Unit::one());
+    fn product(&mut self, parts: &'f [(Side, Ast)]) -> InferredUnit {
+        let mut out = InferredUnit::Is(Unit::one());
         for (side, part) in parts {
             let factor = self.measure(part);
             let factor = match side {
@@ -174,10 +174,10 @@ impl<'f> Pass<'_, 'f> {
                 Side::Below => factor.power(-1.0),
             };
             out = match (out, factor) {
-                (Measure::Unknown, _) | (_, Measure::Unknown) => Measure::Unknown,
-                (Measure::Any, _) | (_, Measure::Any) => Measure::Any,
-                (Measure::Is(a), Measure::Is(b)) => {
-                    a.times(&b).map_or(Measure::Unknown, Measure::Is)
+                (InferredUnit::Unknown, _) | (_, InferredUnit::Unknown) => InferredUnit::Unknown,
+                (InferredUnit::Any, _) | (_, InferredUnit::Any) => InferredUnit::Any,
+                (InferredUnit::Is(a), InferredUnit::Is(b)) => {
+                    a.times(&b).map_or(InferredUnit::Unknown, InferredUnit::Is)
                 }
             };
         }
@@ -185,13 +185,13 @@ impl<'f> Pass<'_, 'f> {
     }
 
     /// A sum, or arguments that are compared: all must have one unit.
-    fn alike(&mut self, parts: &[(bool, &'f Ast)], joint: Joint) -> Measure {
-        let measured: Vec<Measure> = parts.iter().map(|(_, x)| self.measure(x)).collect();
-        if measured.iter().any(|m| matches!(m, Measure::Unknown)) {
-            return Measure::Unknown;
+    fn alike(&mut self, parts: &[(bool, &'f Ast)], joint: SumContext) -> InferredUnit {
+        let measured: Vec<InferredUnit> = parts.iter().map(|(_, x)| self.measure(x)).collect();
+        if measured.iter().any(|m| matches!(m, InferredUnit::Unknown)) {
+            return InferredUnit::Unknown;
         }
         let with_units = parts.iter().zip(&measured).filter_map(|(part, m)| match m {
-            Measure::Is(unit) => Some((part, unit)),
+            InferredUnit::Is(unit) => Some((part, unit)),
             _ => None,
         });
         let mut with_units = with_units.map(|((subtracted, x), unit)| Summand {
@@ -202,7 +202,7 @@ impl<'f> Pass<'_, 'f> {
             sum: matches!(x.kind, ExprKind::Sum(_)),
         });
         let Some(first) = with_units.next() else {
-            return Measure::Any;
+            return InferredUnit::Any;
         };
         let odd =
             with_units.find(|s| first.unit.commensurability(s.unit) != Commensurability::Same);
@@ -210,15 +210,15 @@ impl<'f> Pass<'_, 'f> {
         let unit = first.unit.clone();
         if let Some(d) = fault {
             self.say(d);
-            return Measure::Unknown;
+            return InferredUnit::Unknown;
         }
-        Measure::Is(unit)
+        InferredUnit::Is(unit)
     }
 
     /// The unit of a call of one of the model's own functions.
-    fn own_call(&mut self, e: &'f Ast, call: &'f Call) -> Measure {
+    fn own_call(&mut self, e: &'f Ast, call: &'f Call) -> InferredUnit {
         let Some(f) = self.checker.functions.get(&call.name.text).cloned() else {
-            return Measure::Any;
+            return InferredUnit::Any;
         };
         let mut arguments = BTreeMap::new();
         for (param, x) in f.params.iter().zip(&call.args) {
@@ -229,7 +229,7 @@ impl<'f> Pass<'_, 'f> {
         let value = match f.library {
             true => {
                 self.library(f.body);
-                Measure::Any
+                InferredUnit::Any
             }
             false => self.measure(f.body),
         };
@@ -243,18 +243,18 @@ impl<'f> Pass<'_, 'f> {
         }
     }
 
-    fn call(&mut self, e: &'f Ast, call: &'f Call) -> Measure {
+    fn call(&mut self, e: &'f Ast, call: &'f Call) -> InferredUnit {
         if self.checker.is_own_function(&call.name.text) {
             return self.own_call(e, call);
         }
         if matches!(call.name.text.as_str(), "next" | "lag" | "known") {
             return match call.args.first() {
                 Some(x) => self.measure(x),
-                None => Measure::Any,
+                None => InferredUnit::Any,
             };
         }
         let Some(f) = Func::named(&call.name.text) else {
-            return Measure::Any;
+            return InferredUnit::Any;
         };
         let value = match f.units {
             UnitRule::Pure => {
@@ -263,17 +263,17 @@ impl<'f> Pass<'_, 'f> {
                     let bare = Span::new(x.span.file, head.end, x.span.end);
                     self.pure(f.name, x, call.juxtaposed.then_some(bare));
                 }
-                Measure::Is(Unit::one())
+                InferredUnit::Is(Unit::one())
             }
             UnitRule::Lost => {
                 call.args.iter().for_each(|x| {
                     self.measure(x);
                 });
-                Measure::Is(Unit::one())
+                InferredUnit::Is(Unit::one())
             }
             UnitRule::Kept | UnitRule::Root => {
                 let args: Vec<(bool, &Ast)> = call.args.iter().map(|x| (false, x)).collect();
-                let value = self.alike(&args, Joint::Comparison);
+                let value = self.alike(&args, SumContext::Comparison);
                 if f.units == UnitRule::Root {
                     value.power(0.5)
                 } else {
@@ -290,7 +290,7 @@ impl<'f> Pass<'_, 'f> {
     /// Checks an argument that must be a pure number or an angle in rad. If it has no parentheses, `bare` is its place, from right after
     /// the function.
     fn pure(&mut self, function: &str, e: &'f Ast, bare: Option<Span>) {
-        let Measure::Is(unit) = self.measure(e) else {
+        let InferredUnit::Is(unit) = self.measure(e) else {
             return;
         };
         if unit.is_pure_number() {
@@ -344,10 +344,12 @@ fn signed(parts: &[(Sign, Ast)]) -> Vec<(bool, &Ast)> {
         .collect()
 }
 
-impl Measure {
-    fn power(self, p: f64) -> Measure {
+impl InferredUnit {
+    fn power(self, p: f64) -> InferredUnit {
         match self {
-            Measure::Is(unit) => unit.power(p).map_or(Measure::Unknown, Measure::Is),
+            InferredUnit::Is(unit) => unit
+                .power(p)
+                .map_or(InferredUnit::Unknown, InferredUnit::Is),
             other => other,
         }
     }

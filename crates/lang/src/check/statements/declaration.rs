@@ -35,7 +35,7 @@ impl Checker<'_> {
             kind: VarKind::Time,
             order: 0,
             noise: Default::default(),
-            noise_memory: None,
+            noise_time_constant: None,
             unit: None,
             between: None,
             delay: None,
@@ -100,7 +100,7 @@ impl Checker<'_> {
                 kind,
                 order: a.order,
                 noise: a.noise.map(|noise| (0, noise)).into_iter().collect(),
-                noise_memory: a.memory,
+                noise_time_constant: a.memory,
                 unit: a.unit.clone(),
                 between: a.between,
                 delay: a.delay,
@@ -365,7 +365,7 @@ impl Checker<'_> {
                 Some(unit)
             }
             Err(fault) => {
-                let mended = Some(fault.mended.clone());
+                let mended = Some(fault.suggestion.clone());
                 let mended = mended.filter(|m| !m.is_empty() && units::parse(m).is_ok());
                 let at = (place(fault.at.clone()), at);
                 self.fail(errors::unit_text(at, &fault, mended))

@@ -26,7 +26,7 @@ impl Checker<'_> {
                 kind: VarKind::Unknown,
                 order: 0,
                 noise: Default::default(),
-                noise_memory: Default::default(),
+                noise_time_constant: Default::default(),
                 unit: unit.clone(),
                 between: None,
                 delay: None,

@@ -19,7 +19,7 @@ pub enum Node {
     Root(usize),
     Power(usize, u64),
     /// A power whose exponent is a node too.
-    Raised(usize, usize),
+    SymbolicPower(usize, usize),
     Call(Func, Vec<usize>),
     /// start + Σ weight·node, from left to right.
     Sum(u64, Vec<(u64, usize)>),
@@ -30,7 +30,7 @@ impl Node {
     pub fn for_each_use(&self, mut visit: impl FnMut(usize)) {
         match self {
             Node::Input(_) | Node::Number(_) => {}
-            Node::Product(a, b) | Node::Raised(a, b) => {
+            Node::Product(a, b) | Node::SymbolicPower(a, b) => {
                 visit(*a);
                 visit(*b);
             }
@@ -126,7 +126,7 @@ impl Graph {
             Atom::Call(f, args) => {
                 if let Some((base, exponent)) = atom.as_power(&|s| self.constants.contains(&s)) {
                     let (base, exponent) = (self.expr(base)?, self.expr(&exponent)?);
-                    return Ok(self.add(Node::Raised(base, exponent)));
+                    return Ok(self.add(Node::SymbolicPower(base, exponent)));
                 }
                 let args: Result<Vec<usize>, Signal> = args.iter().map(|a| self.expr(a)).collect();
                 match (f.name, Func::named("sign")) {

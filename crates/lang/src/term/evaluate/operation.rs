@@ -15,7 +15,7 @@ pub(super) enum Operation {
     Reciprocal(usize),
     Root(usize),
     Power(usize, f64),
-    Raised(usize, usize),
+    SymbolicPower(usize, usize),
     Call(Func, usize),
     /// Two or more arguments: a range of [`Operands::arguments`].
     CallMany(Func, Range<usize>),
@@ -57,7 +57,7 @@ impl Operands {
             Node::Reciprocal(a) => Operation::Reciprocal(place(*a)),
             Node::Root(a) => Operation::Root(place(*a)),
             Node::Power(a, bits) => Operation::Power(place(*a), f64::from_bits(*bits)),
-            Node::Raised(a, b) => Operation::Raised(place(*a), place(*b)),
+            Node::SymbolicPower(a, b) => Operation::SymbolicPower(place(*a), place(*b)),
             Node::Call(f, args) => match args.as_slice() {
                 [a] => Operation::Call(*f, place(*a)),
                 many => {
@@ -84,7 +84,7 @@ impl Operation {
             Operation::Reciprocal(a) => values.unary(*a, |x| 1.0 / x),
             Operation::Root(a) => values.unary(*a, root),
             Operation::Power(a, p) => values.unary(*a, |x| x.powf(*p)),
-            Operation::Raised(a, b) => values.binary(*a, *b, f64::powf),
+            Operation::SymbolicPower(a, b) => values.binary(*a, *b, f64::powf),
             Operation::Call(f, a) => values.unary(*a, |x| (f.eval)(&[x])),
             Operation::CallMany(f, arguments) => match &operands.arguments[arguments.clone()] {
                 [a, b] => values.binary(*a, *b, |x, y| (f.eval)(&[x, y])),

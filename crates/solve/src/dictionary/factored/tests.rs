@@ -97,7 +97,7 @@ fn what_single_precision_leaves_open_is_computed() {
     for (lefts, rights) in [(1, 300), (300, 1), (3, 40), (61, 67), (260, 270)] {
         let mut factors = |count: usize| -> Vec<f64> {
             let column = |j: usize| -> Vec<f64> {
-                let shared = if j % 3 == 0 { 1e-5 } else { 1.0 };
+                let shared = if j.is_multiple_of(3) { 1e-5 } else { 1.0 };
                 (0..rows)
                     .map(|_| sizes[j % 4] * (1.0 + shared * uniform()))
                     .collect()

@@ -18,7 +18,7 @@ pub struct LastingNoise {
 
 /// The problem with noise that lasts wherever that gains more than `price` along a fit and the model does not declare it; `None` where
 /// nothing changes.
-pub fn lasting_noise(problem: &Problem, fit: &Fit, price: f64) -> Option<LastingNoise> {
+pub fn autocorrelated_noise(problem: &Problem, fit: &Fit, price: f64) -> Option<LastingNoise> {
     let n = problem.states();
     let read: Vec<usize> = problem.read_states().collect();
     let mut memory = vec![0.0; n];
@@ -35,7 +35,7 @@ pub fn lasting_noise(problem: &Problem, fit: &Fit, price: f64) -> Option<Lasting
             estimated += 1;
         }
     }
-    let before = |i: usize| problem.noise_memory(i).unwrap_or(0.0);
+    let before = |i: usize| problem.noise_time_constant(i).unwrap_or(0.0);
     let step = problem.step_and_length().0;
     let correlation = |memory: f64| match memory > 0.0 {
         true => (-step / memory).exp(),

@@ -23,15 +23,15 @@ impl Problem {
     pub(crate) fn with_noise_memory(&self, memory: &[f64]) -> Problem {
         let mut problem = self.clone();
         for record in &mut problem.records {
-            record.noise_memory = memory.to_vec();
+            record.noise_time_constant = memory.to_vec();
         }
         problem.count();
         problem
     }
 
     /// Time constant (s) of the noise of a state's sensors, where it lasts.
-    pub(crate) fn noise_memory(&self, state: usize) -> Option<f64> {
-        let memory = self.records.first()?.noise_memory.get(state)?;
+    pub(crate) fn noise_time_constant(&self, state: usize) -> Option<f64> {
+        let memory = self.records.first()?.noise_time_constant.get(state)?;
         Some(*memory).filter(|m| *m > 0.0)
     }
 
@@ -42,7 +42,9 @@ impl Problem {
 
     /// Number of time constants that are not declared.
     pub(crate) fn estimated_memories(&self) -> usize {
-        let own = |i: &usize| self.noise_memory(*i).is_some() && self.declared_memory[*i].is_none();
+        let own = |i: &usize| {
+            self.noise_time_constant(*i).is_some() && self.declared_memory[*i].is_none()
+        };
         (0..self.states()).filter(own).count()
     }
 
@@ -52,7 +54,7 @@ impl Problem {
         for (r, record) in self.records.iter().enumerate() {
             let own = &mut all[self.sensors.of(r)];
             for (state, sum) in own.iter_mut().enumerate() {
-                if self.noise_memory(state).is_some() {
+                if self.noise_time_constant(state).is_some() {
                     let lasting = (0..record.len()).map(|k| record.lasting_at(state, k));
                     *sum += lasting.map(|l| (-l * l).ln_1p()).sum::<f64>();
                 }
