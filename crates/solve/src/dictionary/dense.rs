@@ -3,7 +3,7 @@
 use super::grades::Grades;
 use super::operator::Dictionary;
 use super::pricing::{Priced, PricingCollector};
-use crate::linalg::{dot_in_lanes, is_safe, norm, scaled_dot};
+use crate::linalg::{correlation, norm, norm_from_squares};
 use crate::threads;
 use crate::thresholds::PARALLELISM;
 
@@ -30,14 +30,9 @@ impl Dense {
     /// `values` as for [`Dense::new`], with the sum of squares of each column.
     pub fn filled(rows: usize, values: Vec<f64>, squares: &[f64]) -> Self {
         let columns = values.chunks_exact(rows.max(1));
-        let exact = |(squares, column): (&f64, &[f64])| {
-            if is_safe(*squares) {
-                squares.sqrt()
-            } else {
-                norm(column)
-            }
-        };
-        let norms = squares.iter().zip(columns).map(exact).collect();
+        let norms = squares.iter().zip(columns);
+        let norms = norms.map(|(squares, column)| norm_from_squares(*squares, column));
+        let norms = norms.collect();
         Dense {
             rows,
             values,
@@ -64,14 +59,8 @@ impl Dense {
             let mut found = PricingCollector::new(most, bound);
             for (i, values) in tasks {
                 for (j, column) in (i * group..).zip(values.chunks_exact(rows)) {
-                    let product = dot_in_lanes::<8, f64>(column, lambda);
+                    let correlation = correlation::<8>(column, self.norms[j], lambda);
                     let grade = grades.map_or(1.0, |g| g.of(j));
-                    let length = self.norms[j];
-                    let correlation = match product.is_finite() {
-                        _ if length == 0.0 => f64::NAN,
-                        true => product / length,
-                        false => scaled_dot(column, length, lambda),
-                    };
                     found.offer(j, correlation / grade);
                 }
             }

@@ -11,13 +11,17 @@ use super::block::Block;
 use super::grades::Grades;
 use super::operator::Dictionary;
 use super::pricing::Priced;
-use crate::linalg::{dot_in_lanes, is_safe, norm};
+use crate::linalg::{dot_in_lanes, norm_from_squares};
 use crate::simd::wide;
 use crate::threads;
+
 mod lengths;
 mod rounding;
 mod screening;
 mod tiles;
+
+/// Numbers that are added up, or compared, side by side.
+const LANES: usize = 16;
 
 /// The matrix of a library of products. It keeps the factors, and one length for each slot.
 #[derive(Clone, Debug)]
@@ -105,13 +109,8 @@ impl Factored {
 }
 
 /// ‖v‖₂
-fn length(v: &[f64]) -> f64 {
-    let square = wide(|| dot_in_lanes::<16, f64>(v, v));
-    if is_safe(square) {
-        square.sqrt()
-    } else {
-        norm(v)
-    }
+fn column_norm(v: &[f64]) -> f64 {
+    norm_from_squares(wide(|| dot_in_lanes::<LANES, f64>(v, v)), v)
 }
 
 impl Dictionary for Factored {
@@ -129,7 +128,7 @@ impl Dictionary for Factored {
         }
         let mut column = vec![0.0; self.rows];
         self.column(j, &mut column);
-        length(&column)
+        column_norm(&column)
     }
 
     fn is_finite(&self) -> bool {

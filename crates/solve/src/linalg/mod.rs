@@ -23,5 +23,6 @@ pub use range::Range;
 pub use rank_revealing_qr::RankRevealingQr;
 pub use svd::{Svd, condition_number, svd};
 pub use vectors::{
-    difference, dot_in_lanes, is_safe, largest_magnitude, nonzero, norm, quotient, scaled_dot,
+    correlation, difference, dot_in_lanes, largest_magnitude, nonzero, norm, norm_from_squares,
+    quotient, scaled_dot,
 };

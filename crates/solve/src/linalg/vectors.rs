@@ -22,6 +22,17 @@ pub fn scaled_dot(a: &[f64], norm: f64, b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a / norm * b).sum()
 }
 
+/// aᵀb/‖a‖; `norm` is ‖a‖. NaN if that is zero.
+#[inline(always)]
+pub fn correlation<const LANES: usize>(a: &[f64], norm: f64, b: &[f64]) -> f64 {
+    let product = dot_in_lanes::<LANES, f64>(a, b);
+    if product.is_finite() {
+        product / norm
+    } else {
+        scaled_dot(a, norm, b)
+    }
+}
+
 /// Whether a sum of squares, or a norm, is exact to rounding: nothing underflowed that matters, nothing overflowed. NaN is not.
 #[inline(always)]
 pub fn is_safe(sum: f64) -> bool {
@@ -36,6 +47,15 @@ pub fn norm(v: &[f64]) -> f64 {
     }
     let squares: f64 = v.iter().map(|x| (x / largest).powi(2)).sum();
     largest * squares.sqrt()
+}
+
+/// ‖v‖₂, given the sum of its squares; computed anew where that under- or overflowed.
+pub fn norm_from_squares(squares: f64, v: &[f64]) -> f64 {
+    if is_safe(squares) {
+        squares.sqrt()
+    } else {
+        norm(v)
+    }
 }
 
 /// max |v_i|; NaN if an entry is NaN.

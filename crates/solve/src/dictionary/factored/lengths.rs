@@ -13,7 +13,7 @@ use crate::threads;
 /// A length that is not known: products with it are computed in double precision.
 const UNKNOWN: f32 = 0.0;
 /// Squares of which nothing underflowed that matters.
-const SAFE: std::ops::Range<f32> = 1e-20..1e30;
+const SAFE: Range<f32> = 1e-20..1e30;
 /// Entries of a product of factors with such scales are finite, and so are its norm and its products with λ.
 const SAFE_SCALES: Range<f64> = 1e-280..1e280;
 
@@ -24,6 +24,12 @@ struct Measured {
     bad: Option<usize>,
     /// A column of numbers has a norm that is none.
     overflow: bool,
+}
+
+/// Whether a length is the root of `square`; `scale` is the product of the scales of its factors.
+#[inline(always)]
+fn is_safe(square: f32, scale: f64) -> bool {
+    SAFE.contains(&square) & SAFE_SCALES.contains(&scale)
 }
 
 impl Factored {
@@ -79,7 +85,7 @@ impl Factored {
                 lengths.iter_mut().zip(squares).zip(&right_scales[right])
             {
                 *length = square.sqrt();
-                safe &= SAFE.contains(square) & SAFE_SCALES.contains(&(left_scales[l] * scale));
+                safe &= is_safe(*square, left_scales[l] * scale);
             }
             if !safe {
                 self.measure_exactly(slot, squares, empty, lengths, found);
@@ -100,8 +106,7 @@ impl Factored {
         let mut column = vec![0.0; self.rows];
         for (slot, (square, length)) in (first..).zip(squares.iter().zip(lengths)) {
             let [l, r] = self.factors(slot);
-            let scales = [self.scales[0][l], self.scales[1][r]];
-            let safe = SAFE.contains(square) && SAFE_SCALES.contains(&(scales[0] * scales[1]));
+            let safe = is_safe(*square, self.scales[0][l] * self.scales[1][r]);
             if safe || empty.binary_search(&slot).is_ok() {
                 continue;
             }

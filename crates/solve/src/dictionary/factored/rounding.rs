@@ -1,10 +1,10 @@
 //! What rounding leaves of a product of scaled columns and of their length.
 //!
-//! In: the number of rows, λ. Out: when a product tells that |φᵀλ|/w is below or above a bound. A product s of scaled columns errs by at most
+//! In: the number of rows, λ. Out: which products show that |φᵀλ|/w is below or above a bound. A product s of scaled columns errs by at most
 //! γ Σ|φ_i λ_i| ≤ γ ‖φ‖‖λ‖ (Higham 2002, Accuracy and Stability of Numerical Algorithms, section 3.1; the inequality is Cauchy's), its length n
 //! by at most γ n, with γ = depth · roundoff.
 
-use super::tiles::{Scaled, depth};
+use super::tiles::{Scaled, depth, power_of_two};
 use crate::linalg::norm;
 
 /// Roundings of a product besides those of its sum: of both factors, their product, a grade, a bound, and a comparison.
@@ -25,16 +25,31 @@ pub(super) struct Rounding {
 
 /// What is compared with a product s of length n: |s|/n with `slope` · g + `offset`, g the grade of the right factor.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Line {
-    pub slope: f64,
-    pub offset: f64,
+pub(super) struct Line<T> {
+    slope: T,
+    offset: T,
+}
+
+impl<T: Scaled> Line<T> {
+    fn of(slope: f64, offset: f64) -> Line<T> {
+        Line {
+            slope: T::of(slope),
+            offset: T::of(offset),
+        }
+    }
+
+    /// What |s| is compared with.
+    #[inline(always)]
+    pub fn at(self, grade: T, length: f32) -> T {
+        (self.slope * grade + self.offset) * T::of(f64::from(length))
+    }
 }
 
 impl Rounding {
     /// Of products in precision `T`; lengths are of single precision. `None` where λ is zero or cannot be scaled.
     pub fn new<T: Scaled>(lambda: &[f64]) -> Option<Rounding> {
         let length = norm(lambda);
-        let scale = f64::from_bits(length.to_bits() & f64::INFINITY.to_bits());
+        let scale = power_of_two(length);
         let terms = (depth(lambda.len()) + BESIDES) as f64;
         let gamma = 1.1 * terms * T::ROUNDOFF;
         (scale > 0.0 && scale.is_finite()).then(|| Rounding {
@@ -45,26 +60,22 @@ impl Rounding {
     }
 
     /// A product below this line is below `bound`. `grade`: that of the left factor, which the product was divided by.
-    pub fn below(&self, bound: f64, grade: f64) -> Line {
-        Line {
-            slope: bound / self.scale * (1.0 - self.relative),
-            offset: -self.offset(grade),
-        }
+    pub fn below<T: Scaled>(&self, bound: f64, grade: f64) -> Line<T> {
+        let slope = bound / self.scale * (1.0 - self.relative);
+        Line::of(slope, -self.offset(grade))
     }
 
     /// A product above this line is above `bound`.
-    pub fn above(&self, bound: f64, grade: f64) -> Line {
-        Line {
-            slope: bound / self.scale * (1.0 + self.relative),
-            offset: self.offset(grade),
-        }
+    pub fn above<T: Scaled>(&self, bound: f64, grade: f64) -> Line<T> {
+        let slope = bound / self.scale * (1.0 + self.relative);
+        Line::of(slope, self.offset(grade))
     }
 
     fn offset(&self, grade: f64) -> f64 {
         self.absolute * (1.0 + self.relative) / grade + UNDERFLOW
     }
 
-    /// Whether products tell little about this bound.
+    /// Whether products tell little about this bound. Only time depends on this.
     pub fn hides(&self, bound: f64) -> bool {
         bound > 0.0 && self.absolute * self.scale > 0.25 * bound
     }

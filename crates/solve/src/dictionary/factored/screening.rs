@@ -5,20 +5,18 @@
 
 use std::ops::Range;
 
-use super::Factored;
 use super::rounding::{Line, Rounding};
 use super::tiles::{Scaled, scaled};
+use super::{Factored, LANES, column_norm};
 use crate::dictionary::grades::Grades;
 use crate::dictionary::pricing::{Priced, PricingCollector};
-use crate::linalg::{dot_in_lanes, is_safe, norm, scaled_dot};
+use crate::linalg::{correlation, norm};
 use crate::simd::wide;
 use crate::threads;
 
-/// Columns compared at once, without branches.
-const LANES: usize = 16;
 /// Products in single precision are given up where more than one column in so many is left open: a column costs as much as 8 of them.
 const OPEN_SHARE: usize = 8;
-/// Columns that may be left open before that.
+/// Columns that may be left open before that. Only time depends on these two.
 const OPEN: usize = 4096;
 
 /// A pricing in one precision.
@@ -34,35 +32,11 @@ struct Screening<'a, T> {
     patience: usize,
 }
 
-/// A line in one precision.
-#[derive(Clone, Copy)]
-struct Comparison<T> {
-    slope: T,
-    offset: T,
-}
-
-impl<T: Scaled> From<Line> for Comparison<T> {
-    fn from(line: Line) -> Comparison<T> {
-        Comparison {
-            slope: T::of(line.slope),
-            offset: T::of(line.offset),
-        }
-    }
-}
-
-impl<T: Scaled> Comparison<T> {
-    /// What is compared with a product, given the grade of its right factor and its length.
-    #[inline(always)]
-    fn with(self, grade: T, length: f32) -> T {
-        (self.slope * grade + self.offset) * T::of(f64::from(length))
-    }
-}
-
 /// What products are compared with: below the bound, above it, below what is kept.
 struct Lines<T> {
-    below: Comparison<T>,
-    above: Comparison<T>,
-    unkept: Comparison<T>,
+    below: Line<T>,
+    above: Line<T>,
+    unkept: Line<T>,
 }
 
 /// What one thread has found.
@@ -134,13 +108,8 @@ impl Factored {
     /// φ_jᵀλ/‖φ_j‖ of a slot that is not empty.
     fn correlation(&self, slot: usize, lambda: &[f64], column: &mut [f64]) -> f64 {
         self.product(slot, column);
-        let [product, square] =
-            wide(|| [lambda, column].map(|other| dot_in_lanes::<LANES, f64>(column, other)));
-        match product.is_finite() && is_safe(square) {
-            true => product / square.sqrt(),
-            // What under- or overflowed is brought to length one first.
-            false => scaled_dot(column, norm(column), lambda),
-        }
+        let norm = column_norm(column);
+        wide(|| correlation::<LANES>(column, norm, lambda))
     }
 }
 
@@ -220,10 +189,10 @@ impl<'a, T: Scaled> Screening<'a, T> {
     ) {
         let lengths = &self.phi.lengths[first..first + products.len()];
         let (bound, threshold) = (found.collector.bound(), found.collector.threshold());
-        let lines = Lines::<T> {
-            below: self.rounding.below(bound, grade).into(),
-            above: self.rounding.above(bound, grade).into(),
-            unkept: self.rounding.below(threshold, grade).into(),
+        let lines = Lines {
+            below: self.rounding.below(bound, grade),
+            above: self.rounding.above(bound, grade),
+            unkept: self.rounding.below(threshold, grade),
         };
         let (groups, rest) = products.as_chunks::<LANES>();
         let (group_grades, rest_grades) = grades.as_chunks::<LANES>();
@@ -273,13 +242,13 @@ impl<T: Scaled> Lines<T> {
     ) {
         // Comparisons with what is not a number are false, and leave the column open.
         let is_below: [bool; LANES] =
-            std::array::from_fn(|k| s[k].abs() < self.below.with(g[k], n[k]));
+            std::array::from_fn(|k| s[k].abs() < self.below.at(g[k], n[k]));
         if is_below.iter().fold(true, |all, x| all & x) {
             return;
         }
         let is_counted: [bool; LANES] = std::array::from_fn(|k| {
             let size = s[k].abs();
-            (size > self.above.with(g[k], n[k])) & (size < self.unkept.with(g[k], n[k]))
+            (size > self.above.at(g[k], n[k])) & (size < self.unkept.at(g[k], n[k]))
         });
         *count += is_counted.iter().map(|x| usize::from(*x)).sum::<usize>();
         let is_open: [bool; LANES] = std::array::from_fn(|k| !(is_below[k] | is_counted[k]));

@@ -1,6 +1,7 @@
 //! Columns, norms and correlations of products, by one thread and several, plain and graded.
 
 use super::*;
+use crate::linalg::norm;
 
 /// Two blocks of several tiles, with an empty slot.
 fn factored() -> Factored {

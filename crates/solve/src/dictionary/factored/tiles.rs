@@ -98,7 +98,8 @@ impl Factored {
     }
 
     /// `Rᵀ prepare(L)` for a task, in tiles that are `wanted`: `visit` gets a left column, some right columns and their products, until it
-    /// returns false. `right`: as [`Factored::scaled_right`]; `prepare` gives one entry of a left column.
+    /// returns false. `right`: as [`Factored::scaled_right`]; `prepare` writes a left column
+    /// in this precision.
     pub(super) fn products<T: Scaled>(
         &self,
         task: &Task,
@@ -158,10 +159,16 @@ pub(super) fn depth(rows: usize) -> usize {
 /// A power of two near the largest entry of each column; zero or infinite for columns whose entries cannot be scaled: of zeros, of denormal
 /// numbers, or not finite.
 fn scales(factors: &[f64], rows: usize) -> Vec<f64> {
-    // The exponent bits alone.
-    let exponent = |x: f64| f64::from_bits(x.to_bits() & f64::INFINITY.to_bits());
     let columns = factors.chunks_exact(rows.max(1));
-    columns.map(|c| exponent(largest_magnitude(c))).collect()
+    columns
+        .map(|c| power_of_two(largest_magnitude(c)))
+        .collect()
+}
+
+/// The largest power of two that is no larger than `x` ≥ 0: its exponent bits alone. Zero for zero and denormal numbers, infinite for what
+/// is not finite.
+pub(super) fn power_of_two(x: f64) -> f64 {
+    f64::from_bits(x.to_bits() & f64::INFINITY.to_bits())
 }
 
 /// Right factors of all blocks over their scales, row after row within a tile.
