@@ -103,7 +103,7 @@ fn assert_agree(library: &Library, samples: &Samples, weights: Option<&[f64]>, l
     let least = 1e-3 * size(lambda);
     let all = factored.price(lambda, library.slots(), least);
     let wanted = dense.price(lambda, library.slots(), least);
-    assert_eq!(all.count, wanted.count);
+    assert_eq!(all.columns.len(), wanted.columns.len());
     let sorted = |of: &[(usize, f64)]| {
         let mut of = of.to_vec();
         of.sort_by_key(|(j, _)| *j);
@@ -231,7 +231,7 @@ fn the_first_term_that_is_not_finite_is_named() {
     assert_eq!(phi.cols(), 9);
     assert!(phi.is_finite());
     let found = phi.price(&[1.0; 3], 9, 0.0);
-    assert_eq!(found.count, 2);
+    assert_eq!(found.columns.len(), 2);
 }
 
 #[test]

@@ -53,7 +53,7 @@ pub fn bytes(library: &Library, rows: usize) -> u128 {
         Some(terms) => 8 * terms.len() as u128 * (rows + 1),
         None => {
             rows * blocks.iter().map(factors).sum::<u128>()
-                + 4 * blocks.iter().map(slots).sum::<u128>()
+                + 2 * blocks.iter().map(slots).sum::<u128>()
         }
     };
     let powers = Plan::new(library.factors(), true).count() as u128;

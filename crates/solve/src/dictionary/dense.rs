@@ -112,7 +112,7 @@ mod tests {
         let phi = Dense::new(30, values);
         let lambda: Vec<f64> = (0..30).map(|i| f64::from(i % 7 - 3)).collect();
         let one = phi.price_on(1, None, &lambda, (20, 0.5));
-        assert!(one.columns.len() == 20 && one.count > 20);
+        assert!(one.columns.len() == 20);
         for threads in [2, 3, 8] {
             assert_eq!(one, phi.price_on(threads, None, &lambda, (20, 0.5)));
         }

@@ -15,6 +15,8 @@ use crate::linalg::{dot_in_lanes, norm_from_squares};
 use crate::simd::wide;
 use crate::threads;
 
+use lengths::Length;
+
 mod lengths;
 mod rounding;
 mod screening;
@@ -36,9 +38,8 @@ pub struct Factored {
     /// Right factors over their scales, row after row within a tile.
     scaled_right: Vec<f32>,
     blocks: Vec<Block>,
-    /// ‖φ_j‖ over the scales of its factors, to the rounding of [`rounding::Rounding`]; zero where that is not known, infinite in empty slots
-    /// and for columns of zeros.
-    lengths: Vec<f32>,
+    /// ‖φ_j‖ over the scales of its factors, to the rounding of [`rounding::Rounding`].
+    lengths: Vec<Length>,
     /// Whether every norm is a number.
     is_finite: bool,
 }
@@ -62,11 +63,11 @@ impl Factored {
         empty: &[usize],
     ) -> Result<Factored, NotFinite> {
         let mut factored = Factored::unmeasured(rows, factors, blocks);
-        let mut lengths = vec![0.0; factored.blocks.iter().map(Block::slots).sum()];
+        let mut lengths = vec![Length::UNKNOWN; factored.blocks.iter().map(Block::slots).sum()];
         let measured = factored.measure(factored.threads(), empty, &mut lengths);
         let is_finite = measured.map_err(|slot| factored.not_finite(slot))?;
         for slot in empty {
-            lengths[*slot] = f32::INFINITY;
+            lengths[*slot] = Length::NONE;
         }
         factored.lengths = lengths;
         factored.is_finite = is_finite;
@@ -104,7 +105,7 @@ impl Factored {
     }
 
     fn is_empty(&self, slot: usize) -> bool {
-        self.lengths[slot] == f32::INFINITY
+        self.lengths[slot] == Length::NONE
     }
 }
 

@@ -57,16 +57,12 @@ impl Dictionary for Joined<'_> {
 
     fn price(&self, lambda: &[f64], most: usize, bound: f64) -> Priced {
         let [first, second] = self.parts.map(|p| p.price(lambda, most, bound));
-        let count = first.count + second.count;
         let after = self.parts[0].cols();
         let mut all = PricingCollector::new(most, bound);
         first.columns.into_iter().for_each(|(j, c)| all.offer(j, c));
         let second = second.columns.into_iter();
         second.for_each(|(j, c)| all.offer(after + j, c));
-        Priced {
-            count,
-            ..all.finish()
-        }
+        all.finish()
     }
 }
 

@@ -23,7 +23,7 @@ pub trait Dictionary: Sync {
     }
     /// Writes column `j` into `out` (length M).
     fn column(&self, j: usize, out: &mut [f64]);
-    /// Prices every column with λ (length M) in one pass: counts those with |φ_jᵀλ|/w_j > `bound`, and returns the `most` largest.
+    /// Prices every column with λ (length M) in one pass: the `most` largest |φ_jᵀλ|/w_j of those above `bound`. `most` is 1 or more.
     fn price(&self, lambda: &[f64], most: usize, bound: f64) -> Priced;
     /// The same under grades: w_j = g_j ‖φ_j‖.
     fn price_graded(&self, grades: &Grades, lambda: &[f64], most: usize, bound: f64) -> Priced {

@@ -1,19 +1,22 @@
 //! Pricing: the columns of largest correlation with a dual point, selected while correlations are computed.
 //!
-//! In: correlations in any order. Out: the largest, and how many exceed a bound. Only the answer is kept in memory.
+//! In: correlations in any order. Out: the largest of those that exceed a bound. Only the answer is kept in memory.
 
 use std::cmp::Ordering;
 
-/// Columns whose correlation with λ exceeds a bound.
+/// The columns of largest correlation with λ, of those where it exceeds a bound.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Priced {
     /// (column, φ_jᵀλ/‖φ_j‖ with its sign), largest magnitude first, equal ones by column.
     pub columns: Vec<(usize, f64)>,
-    /// How many exceed the bound in all.
-    pub count: usize,
 }
 
 impl Priced {
+    /// Whether no column exceeds the bound.
+    pub fn is_empty(&self) -> bool {
+        self.columns.is_empty()
+    }
+
     /// The largest magnitude, or zero.
     pub fn largest(&self) -> f64 {
         self.columns.first().map_or(0.0, |(_, c)| c.abs())
@@ -25,20 +28,18 @@ impl Priced {
 pub struct PricingCollector {
     most: usize,
     bound: f64,
-    /// Magnitudes below this are counted, not kept.
+    /// Magnitudes below this are not among the largest.
     threshold: f64,
-    count: usize,
     kept: Vec<(usize, f64)>,
 }
 
 impl PricingCollector {
-    /// For the `most` largest magnitudes that exceed `bound`.
+    /// For the `most` largest magnitudes that exceed `bound`; `most` is 1 or more.
     pub fn new(most: usize, bound: f64) -> PricingCollector {
         PricingCollector {
-            most,
+            most: most.max(1),
             bound,
             threshold: bound,
-            count: 0,
             kept: Vec::new(),
         }
     }
@@ -47,30 +48,14 @@ impl PricingCollector {
     #[inline]
     pub fn offer(&mut self, column: usize, correlation: f64) {
         let size = correlation.abs();
-        if size > self.bound {
-            self.count += 1;
-            if size >= self.threshold && self.most > 0 {
-                self.keep(column, correlation);
-            }
+        if size > self.bound && size >= self.threshold {
+            self.keep(column, correlation);
         }
-    }
-
-    /// What a magnitude must exceed to be counted.
-    pub(super) fn bound(&self) -> f64 {
-        self.bound
     }
 
     /// What a magnitude must reach to be kept; it grows.
     pub(super) fn threshold(&self) -> f64 {
-        match self.most {
-            0 => f64::INFINITY,
-            _ => self.threshold,
-        }
-    }
-
-    /// Counts columns that exceed the bound and are not kept.
-    pub(super) fn count(&mut self, columns: usize) {
-        self.count += columns;
+        self.threshold
     }
 
     /// Merges collectors with the same bounds.
@@ -84,7 +69,6 @@ impl PricingCollector {
 
     /// Adds what another collector with the same bounds has taken.
     pub fn absorb(&mut self, other: PricingCollector) {
-        self.count += other.count;
         for (column, correlation) in other.kept {
             self.keep(column, correlation);
         }
@@ -93,10 +77,7 @@ impl PricingCollector {
     pub fn finish(mut self) -> Priced {
         self.kept.sort_unstable_by(by_magnitude);
         self.kept.truncate(self.most);
-        Priced {
-            columns: self.kept,
-            count: self.count,
-        }
+        Priced { columns: self.kept }
     }
 
     fn keep(&mut self, column: usize, correlation: f64) {
@@ -137,19 +118,14 @@ mod tests {
         assert_eq!(forwards.columns.len(), 7);
         assert!(forwards.columns.iter().all(|(_, c)| c.abs() == 50.0));
         assert!(forwards.columns.is_sorted_by(|a, b| a.0 < b.0));
-        assert_eq!(
-            forwards.count,
-            values.iter().filter(|v| v.abs() > 10.0).count()
-        );
     }
 
     #[test]
     fn zero_and_nan_exceed_no_bound() {
-        let mut c = PricingCollector::new(0, 0.0);
+        let mut c = PricingCollector::new(2, 0.0);
         c.offer(0, f64::NAN);
         c.offer(1, 0.0);
         c.offer(2, 3.0);
-        let found = c.finish();
-        assert!(found.columns.is_empty() && found.count == 1);
+        assert_eq!(c.finish().columns, [(2, 3.0)]);
     }
 }

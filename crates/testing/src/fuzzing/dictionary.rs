@@ -104,7 +104,6 @@ fn agrees(phi: &dyn Dictionary, columns: &[Vec<f64>], tame: bool, lambda: &[f64]
         assert!(value.is_finite(), "correlation {j} is {value}");
         found[*j] = *value;
     }
-    assert_eq!(all.columns.len(), all.count);
     assert!(all.columns.is_sorted_by(|a, b| a.1.abs() >= b.1.abs()));
     let largest = size(lambda);
     for (j, column) in columns.iter().enumerate() {
@@ -130,11 +129,7 @@ fn agrees(phi: &dyn Dictionary, columns: &[Vec<f64>], tame: bool, lambda: &[f64]
         }
     }
     let few = phi.price(lambda, 3, 0.0);
-    assert_eq!(few.columns, all.columns[..few.columns.len()]);
-    assert_eq!(
-        (few.columns.len(), few.count),
-        (all.count.min(3), all.count)
-    );
+    assert_eq!(few.columns, all.columns[..all.columns.len().min(3)]);
 }
 
 /// Correlations under grades are the plain ones divided by the grades, and none above a bound is left out.
@@ -145,7 +140,6 @@ fn graded_agrees(phi: &dyn Dictionary, library: &Library, lambda: &[f64]) {
     let expected = plain.columns.iter();
     let above = expected.filter(|(j, c)| c.abs() / grades.of(*j) > bound * (1.0 + 1e-9));
     let found = phi.price_graded(&grades, lambda, phi.cols(), bound);
-    assert!(found.count >= above.clone().count());
     for (j, c) in above {
         let own = found.columns.iter().find(|(k, _)| k == j);
         let (own, c) = (own.map_or(0.0, |(_, own)| *own), c / grades.of(*j));

@@ -271,7 +271,7 @@ impl Case<'_> {
             columns: phi.as_ref(),
             grades: &grades,
         };
-        if graded.price(dual, 1, bound).count > 0 {
+        if !graded.price(dual, 1, bound).is_empty() {
             return None;
         }
         let mut families: Vec<TermFamily> = Vec::new();

@@ -1,7 +1,7 @@
 //! Lengths of columns, over the scales of their factors.
 //!
-//! In: scaled factors. Out: a length in single precision for each slot, or the first slot that is not finite. Where squares under- or overflow
-//! the column itself is measured.
+//! In: scaled factors. Out: a length for each slot, or the first slot that is not finite. Where squares under- or overflow the column itself is
+//! measured.
 
 use std::ops::Range;
 
@@ -10,8 +10,32 @@ use super::tiles::Task;
 use crate::linalg::norm;
 use crate::threads;
 
-/// A length that is not known: products with it are computed in double precision.
-const UNKNOWN: f32 = 0.0;
+/// A length in two bytes: the exponent and eight binary places of an `f32`. A large library has one for each slot, and nothing else.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Length(u16);
+
+impl Length {
+    /// One that is not known: products with it are computed in double precision.
+    pub const UNKNOWN: Length = Length(0);
+    /// That of empty slots, and of columns of zeros.
+    pub const NONE: Length = Length::of(f32::INFINITY);
+    /// Half the relative distance to the next length.
+    pub const ROUNDOFF: f64 = 1.0 / 512.0;
+    /// Binary places of an `f32` that are dropped. Its sign is, too.
+    const DROPPED: u32 = 15;
+
+    /// The nearest length to `x` ≥ 0.
+    const fn of(x: f32) -> Length {
+        let half = 1 << (Length::DROPPED - 1);
+        Length(((x.to_bits() + half) >> Length::DROPPED) as u16)
+    }
+
+    #[inline(always)]
+    pub fn value(self) -> f32 {
+        f32::from_bits(u32::from(self.0) << Length::DROPPED)
+    }
+}
+
 /// Squares of which nothing underflowed that matters.
 const SAFE: Range<f32> = 1e-20..1e30;
 /// Entries of a product of factors with such scales are finite, and so are its norm and its products with λ.
@@ -41,7 +65,7 @@ impl Factored {
         &self,
         threads: usize,
         empty: &[usize],
-        lengths: &mut [f32],
+        lengths: &mut [Length],
     ) -> Result<bool, usize> {
         let squares: Vec<f32> = self.scaled_right.iter().map(|x| x * x).collect();
         let mut rest = lengths;
@@ -67,7 +91,7 @@ impl Factored {
         task: &Task,
         right_squares: &[f32],
         empty: &[usize],
-        lengths: &mut [f32],
+        lengths: &mut [Length],
         found: &mut Measured,
     ) {
         let [left_scales, right_scales] = &self.scales;
@@ -84,7 +108,7 @@ impl Factored {
             for ((length, square), scale) in
                 lengths.iter_mut().zip(squares).zip(&right_scales[right])
             {
-                *length = square.sqrt();
+                *length = Length::of(square.sqrt());
                 safe &= is_safe(*square, left_scales[l] * scale);
             }
             if !safe {
@@ -100,7 +124,7 @@ impl Factored {
         first: usize,
         squares: &[f32],
         empty: &[usize],
-        lengths: &mut [f32],
+        lengths: &mut [Length],
         found: &mut Measured,
     ) {
         let mut column = vec![0.0; self.rows];
@@ -117,8 +141,8 @@ impl Factored {
             let exact = norm(&column);
             found.overflow |= !exact.is_finite();
             *length = match exact == 0.0 {
-                true => f32::INFINITY,
-                false => UNKNOWN,
+                true => Length::NONE,
+                false => Length::UNKNOWN,
             };
         }
     }

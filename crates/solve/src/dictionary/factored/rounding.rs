@@ -1,9 +1,10 @@
 //! What rounding leaves of a product of scaled columns and of their length.
 //!
-//! In: the number of rows, λ. Out: which products show that |φᵀλ|/w is below or above a bound. A product s of scaled columns errs by at most
+//! In: the number of rows, λ. Out: which products show that |φᵀλ|/w is below a bound. A product s of scaled columns errs by at most
 //! γ Σ|φ_i λ_i| ≤ γ ‖φ‖‖λ‖ (Higham 2002, Accuracy and Stability of Numerical Algorithms, section 3.1; the inequality is Cauchy's), its length n
-//! by at most γ n, with γ = depth · roundoff.
+//! by at most γ n and what [`Length`] rounds, with γ = depth · roundoff.
 
+use super::lengths::Length;
 use super::tiles::{Scaled, depth, power_of_two};
 use crate::linalg::norm;
 
@@ -23,7 +24,7 @@ pub(super) struct Rounding {
     absolute: f64,
 }
 
-/// What is compared with a product s of length n: |s|/n with `slope` · g + `offset`, g the grade of the right factor.
+/// What |s|/n of a product s of length n is compared with: `slope` · g + `offset`, g the grade of the right factor.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Line<T> {
     slope: T,
@@ -31,22 +32,16 @@ pub(super) struct Line<T> {
 }
 
 impl<T: Scaled> Line<T> {
-    fn of(slope: f64, offset: f64) -> Line<T> {
-        Line {
-            slope: T::of(slope),
-            offset: T::of(offset),
-        }
-    }
-
-    /// What |s| is compared with.
+    /// Whether |s| is below the line. What is not a number never is.
     #[inline(always)]
-    pub fn at(self, grade: T, length: f32) -> T {
-        (self.slope * grade + self.offset) * T::of(f64::from(length))
+    pub fn is_above(self, product: T, grade: T, length: Length) -> bool {
+        let line = (self.slope * grade + self.offset) * T::of(f64::from(length.value()));
+        product.abs() < line
     }
 }
 
 impl Rounding {
-    /// Of products in precision `T`; lengths are of single precision. `None` where λ is zero or cannot be scaled.
+    /// Of products in precision `T`; lengths are summed in single precision. `None` where λ is zero or cannot be scaled.
     pub fn new<T: Scaled>(lambda: &[f64]) -> Option<Rounding> {
         let length = norm(lambda);
         let scale = power_of_two(length);
@@ -54,7 +49,7 @@ impl Rounding {
         let gamma = 1.1 * terms * T::ROUNDOFF;
         (scale > 0.0 && scale.is_finite()).then(|| Rounding {
             scale,
-            relative: 1.1 * terms * <f32 as Scaled>::ROUNDOFF,
+            relative: 1.1 * (terms * <f32 as Scaled>::ROUNDOFF + Length::ROUNDOFF),
             absolute: gamma * (length / scale),
         })
     }
@@ -62,17 +57,11 @@ impl Rounding {
     /// A product below this line is below `bound`. `grade`: that of the left factor, which the product was divided by.
     pub fn below<T: Scaled>(&self, bound: f64, grade: f64) -> Line<T> {
         let slope = bound / self.scale * (1.0 - self.relative);
-        Line::of(slope, -self.offset(grade))
-    }
-
-    /// A product above this line is above `bound`.
-    pub fn above<T: Scaled>(&self, bound: f64, grade: f64) -> Line<T> {
-        let slope = bound / self.scale * (1.0 + self.relative);
-        Line::of(slope, self.offset(grade))
-    }
-
-    fn offset(&self, grade: f64) -> f64 {
-        self.absolute * (1.0 + self.relative) / grade + UNDERFLOW
+        let offset = self.absolute * (1.0 + self.relative) / grade + UNDERFLOW;
+        Line {
+            slope: T::of(slope),
+            offset: T::of(-offset),
+        }
     }
 
     /// Whether products tell little about this bound. Only time depends on this.

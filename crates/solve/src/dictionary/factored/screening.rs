@@ -1,10 +1,11 @@
-//! Pricing: which columns exceed a bound, and the largest of them.
+//! Pricing: the columns of largest correlation above a bound.
 //!
 //! In: λ, grades, a bound. Out: [`Priced`], in double precision. Products in single precision tell most columns from those asked for; the others
 //! are computed again, column by column. Where most columns are left open, all products are of double precision.
 
 use std::ops::Range;
 
+use super::lengths::Length;
 use super::rounding::{Line, Rounding};
 use super::tiles::{Scaled, scaled};
 use super::{Factored, LANES, column_norm};
@@ -30,13 +31,6 @@ struct Screening<'a, T> {
     right_grades: Vec<T>,
     /// Most columns that are computed again.
     patience: usize,
-}
-
-/// What products are compared with: below the bound, above it, below what is kept.
-struct Lines<T> {
-    below: Line<T>,
-    above: Line<T>,
-    unkept: Line<T>,
 }
 
 /// What one thread has found.
@@ -178,8 +172,7 @@ impl<'a, T: Scaled> Screening<'a, T> {
         collectors.map(PricingCollector::finish_all)
     }
 
-    /// Takes consecutive products with one left factor. Columns below the bound are left out, those above it and below what is kept are counted,
-    /// and the others are computed.
+    /// Takes consecutive products with one left factor. Columns below what is kept are left out, and the others are computed.
     fn screen(
         &self,
         first: usize,
@@ -188,33 +181,27 @@ impl<'a, T: Scaled> Screening<'a, T> {
         found: &mut Found,
     ) {
         let lengths = &self.phi.lengths[first..first + products.len()];
-        let (bound, threshold) = (found.collector.bound(), found.collector.threshold());
-        let lines = Lines {
-            below: self.rounding.below(bound, grade),
-            above: self.rounding.above(bound, grade),
-            unkept: self.rounding.below(threshold, grade),
-        };
+        let line = self.rounding.below(found.collector.threshold(), grade);
         let (groups, rest) = products.as_chunks::<LANES>();
         let (group_grades, rest_grades) = grades.as_chunks::<LANES>();
         let (group_lengths, rest_lengths) = lengths.as_chunks::<LANES>();
-        let (mut open, mut count) = (Vec::new(), 0);
+        let mut open = Vec::new();
         wide(|| {
             let groups = groups.iter().zip(group_grades).zip(group_lengths);
             for (at, ((s, g), n)) in (first..).step_by(LANES).zip(groups) {
-                lines.compare(at, (s, g, n), &mut open, &mut count);
+                if !all_below(line, s, g, n) {
+                    open.extend(not_below(line, at, s.iter().zip(g).zip(n)));
+                }
             }
         });
         let at = first + groups.len() * LANES;
-        let rest = (
-            &padded(rest, T::zero()),
-            &padded(rest_grades, T::one()),
-            &padded(rest_lengths, f32::INFINITY),
-        );
-        lines.compare(at, rest, &mut open, &mut count);
+        open.extend(not_below(
+            line,
+            at,
+            rest.iter().zip(rest_grades).zip(rest_lengths),
+        ));
         found.seen += products.len();
-        found.collector.count(count);
-        let slots = first..first + products.len();
-        for slot in open.into_iter().filter(|slot| slots.contains(slot)) {
+        for slot in open {
             if !self.phi.is_empty(slot) {
                 found.open += 1;
                 let exact = self.phi.correlation(slot, self.lambda, &mut found.column);
@@ -225,40 +212,28 @@ impl<'a, T: Scaled> Screening<'a, T> {
     }
 }
 
-/// The beginning of a group, filled up.
-fn padded<T: Copy>(values: &[T], with: T) -> [T; LANES] {
-    std::array::from_fn(|k| values.get(k).copied().unwrap_or(with))
+/// Whether no column of a group may be kept.
+#[inline(always)]
+fn all_below<T: Scaled>(
+    line: Line<T>,
+    products: &[T; LANES],
+    grades: &[T; LANES],
+    lengths: &[Length; LANES],
+) -> bool {
+    let mut all = true;
+    for k in 0..LANES {
+        all &= line.is_above(products[k], grades[k], lengths[k]);
+    }
+    all
 }
 
-impl<T: Scaled> Lines<T> {
-    /// Adds the columns of a group that are above the bound and not kept to `count`, and those that rounding leaves open to `open`.
-    #[inline(always)]
-    fn compare(
-        &self,
-        first: usize,
-        (s, g, n): (&[T; LANES], &[T; LANES], &[f32; LANES]),
-        open: &mut Vec<usize>,
-        count: &mut usize,
-    ) {
-        // Comparisons with what is not a number are false, and leave the column open.
-        let is_below: [bool; LANES] =
-            std::array::from_fn(|k| s[k].abs() < self.below.at(g[k], n[k]));
-        if is_below.iter().fold(true, |all, x| all & x) {
-            return;
-        }
-        let is_counted: [bool; LANES] = std::array::from_fn(|k| {
-            let size = s[k].abs();
-            (size > self.above.at(g[k], n[k])) & (size < self.unkept.at(g[k], n[k]))
-        });
-        *count += is_counted.iter().map(|x| usize::from(*x)).sum::<usize>();
-        let is_open: [bool; LANES] = std::array::from_fn(|k| !(is_below[k] | is_counted[k]));
-        if is_open.iter().fold(false, |any, x| any | x) {
-            open.extend(
-                (first..)
-                    .zip(is_open)
-                    .filter(|(_, x)| *x)
-                    .map(|(slot, _)| slot),
-            );
-        }
-    }
+/// The columns that may be kept, of those from `first` on.
+fn not_below<'a, T: Scaled>(
+    line: Line<T>,
+    first: usize,
+    columns: impl Iterator<Item = ((&'a T, &'a T), &'a Length)>,
+) -> impl Iterator<Item = usize> {
+    let open = (first..).zip(columns);
+    let open = open.filter(move |(_, ((s, g), n))| !line.is_above(**s, **g, **n));
+    open.map(|(slot, _)| slot)
 }

@@ -118,8 +118,7 @@ impl<'a> ColumnGeneration<'a> {
         let feasible = |lambda: &[f64]| {
             self.dictionary
                 .price(lambda, 1, 1.0 + HOMOTOPY.violation)
-                .count
-                == 0
+                .is_empty()
         };
         let interior = exact.then(|| interior_dual(&self.set, point, &feasible));
         interior.flatten().unwrap_or_else(|| point.lambda.clone())
@@ -147,7 +146,7 @@ impl<'a> ColumnGeneration<'a> {
     pub fn price_all(&mut self, point: &PathPoint) -> Pricing {
         let new = self.set.len();
         let priced = self.violating(point);
-        let violated = priced.count > 0;
+        let violated = !priced.is_empty();
         if self.set.add(indices(priced)) > 0 {
             self.restarted = false;
             self.path.rewind(&self.set, new);
@@ -196,7 +195,7 @@ impl<'a> ColumnGeneration<'a> {
 fn first_columns(dictionary: &dyn Dictionary, target: &[f64]) -> Priced {
     let price = |bound| dictionary.price(target, HOMOTOPY.initial_columns, bound);
     let bounds = [HOMOTOPY.initial_bound, 0.0].into_iter().map(price);
-    let found = bounds.into_iter().find(|found| found.count > 0);
+    let found = bounds.into_iter().find(|found| !found.is_empty());
     found.unwrap_or_default()
 }
 
