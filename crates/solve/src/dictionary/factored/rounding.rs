@@ -63,9 +63,4 @@ impl Rounding {
             offset: T::of(-offset),
         }
     }
-
-    /// Whether products tell little about this bound. Only time depends on this.
-    pub fn hides(&self, bound: f64) -> bool {
-        bound > 0.0 && self.absolute * self.scale > 0.25 * bound
-    }
 }

@@ -3,6 +3,7 @@
 //! In: λ, grades, a bound. Out: [`Priced`], in double precision. Products in single precision tell most columns from those asked for; the others
 //! are computed again, column by column. Where most columns are left open, all products are of double precision.
 
+use std::cell::Cell;
 use std::ops::Range;
 
 use super::lengths::Length;
@@ -55,8 +56,7 @@ impl Factored {
             // Every column exceeds the bound; an infinite length would seem to.
             return self.price_each(grades, lambda, wanted);
         }
-        let single = Rounding::new::<f32>(lambda).filter(|r| !r.hides(wanted.1));
-        let found = single.and_then(|rounding| {
+        let found = Rounding::new::<f32>(lambda).and_then(|rounding| {
             let screening =
                 Screening::new(self, grades, lambda, rounding, &self.scaled_right, OPEN);
             screening.price(threads, wanted)
@@ -140,11 +140,13 @@ impl<'a, T: Scaled> Screening<'a, T> {
             out.iter_mut().zip(prepared).for_each(|(o, p)| *o = p);
         };
         let length = norm(self.lambda);
-        let wanted = |left: Range<usize>, right: Range<usize>| {
-            let graded = self.grades;
-            graded.is_none_or(|g| !g.dismiss(left, right, length, bound))
-        };
         let found = threads::share(threads, phi.tasks(), |tasks| {
+            // What is kept rises, and dismisses more and more tiles.
+            let threshold = Cell::new(bound);
+            let wanted = |left: Range<usize>, right: Range<usize>| {
+                let graded = self.grades;
+                graded.is_none_or(|g| !g.dismiss(left, right, length, threshold.get()))
+            };
             let mut found = Found {
                 collector: PricingCollector::new(most, bound),
                 seen: 0,
@@ -160,6 +162,7 @@ impl<'a, T: Scaled> Screening<'a, T> {
                         (products, &self.right_grades[right]),
                         &mut found,
                     );
+                    threshold.set(found.collector.threshold());
                     found.open <= self.patience.max(found.seen / OPEN_SHARE)
                 });
                 if !all {
