@@ -41,8 +41,10 @@ impl From<LimitExceeded> for LayoutError {
     }
 }
 
-/// Bytes of a slot: the norm of its column, one `f64`.
-pub(crate) const SLOT_BYTES: u128 = 8;
+/// Bytes of a slot: the length of its column.
+pub(crate) const SLOT_BYTES: u128 = 2;
+/// Bytes of an empty slot besides: its number.
+const EMPTY_SLOT_BYTES: u128 = 8;
 /// Approximate bytes of a term in a list, with its factors.
 const TERM_BYTES: u128 = 160;
 
@@ -276,7 +278,7 @@ impl Layout<'_> {
             return Ok(slots);
         };
         let number = self.rule.size(common.factors());
-        self.budget.need(number.saturating_mul(SLOT_BYTES))?;
+        self.budget.need(number.saturating_mul(EMPTY_SLOT_BYTES))?;
         // With a bound on degrees, few products of whole lists would remain.
         if common.exclusions().is_empty() && self.rule.degrees().is_none() {
             let lists = common.factors();

@@ -15,8 +15,9 @@ use crate::linalg::{dot_in_lanes, norm_from_squares};
 use crate::simd::wide;
 use crate::threads;
 
-use lengths::Length;
+use length::Length;
 
+mod length;
 mod lengths;
 mod rounding;
 mod screening;

@@ -4,7 +4,7 @@
 //! γ Σ|φ_i λ_i| ≤ γ ‖φ‖‖λ‖ (Higham 2002, Accuracy and Stability of Numerical Algorithms, section 3.1; the inequality is Cauchy's), its length n
 //! by at most γ n and what [`Length`] rounds, with γ = depth · roundoff.
 
-use super::lengths::Length;
+use super::length::Length;
 use super::tiles::{Scaled, depth, power_of_two};
 use crate::linalg::norm;
 

@@ -6,7 +6,7 @@
 use std::cell::Cell;
 use std::ops::Range;
 
-use super::lengths::Length;
+use super::length::Length;
 use super::rounding::{Line, Rounding};
 use super::tiles::{Scaled, scaled};
 use super::{Factored, LANES, column_norm};
