@@ -9,6 +9,7 @@ mod filtered_course;
 mod given_course;
 mod hidden_laws;
 mod observed_fit;
+mod offset;
 mod scale;
 mod solved_course;
 mod start;

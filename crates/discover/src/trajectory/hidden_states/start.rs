@@ -6,6 +6,7 @@ use super::filtered_course::{Start, filtered_courses};
 use super::given_course::given_courses;
 use super::hidden_laws::hidden_laws;
 use super::observed_fit::observed;
+use super::offset::{Offset, sparsest_offset};
 use super::scale::is_free;
 use super::solved_course::solved_courses;
 use super::thresholds::HIDDEN;
@@ -23,12 +24,39 @@ pub(crate) fn with_started_states(
 ) -> Problem {
     let free = of_free_scale(problem);
     let problem = with_given_courses(problem, &free);
-    let Some((fit, started)) = best_start(&problem, &free, most, observer) else {
+    let Some((mut fit, mut started)) = best_start(&problem, &free, most, observer) else {
         return problem;
     };
-    let mut started = started.with_hidden_of(&fit, &free);
+    for _ in 0..HIDDEN.offsets {
+        let offset = with_fewer_terms(&started, &fit, &free, observer);
+        let Some((sparser, shifted)) = offset else {
+            break;
+        };
+        (fit, started) = (sparser, shifted);
+    }
+    let mut started = started.with_hidden_of(&fit, &free, None);
     started.proposed = Some(fit.point.active());
     started
+}
+
+/// A better fit after an offset of a hidden state by a measured one, and its problem.
+fn with_fewer_terms(
+    problem: &Problem,
+    fit: &Fit,
+    free: &[usize],
+    observer: &mut dyn Observer,
+) -> Option<(Fit, Problem)> {
+    let offset = sparsest_offset(problem, &fit.point.active())?;
+    let shifted = problem.with_hidden_of(fit, free, Some(&offset));
+    let (support, coefficients) = offset.terms.into_iter().unzip();
+    let point = LinearizationPoint {
+        support,
+        coefficients,
+        ..shifted.initial_point(&shifted.noise)
+    };
+    let found = tightened(&shifted, point, f64::INFINITY, observer)?;
+    let better = found.converged && (!fit.converged || found.value < fit.value);
+    better.then_some((found, shifted))
 }
 
 /// The criterion of the fit from the best start, for long records on segments; infinite where no fit converges.
@@ -130,15 +158,24 @@ pub(super) fn tightened(
 }
 
 impl Problem {
-    /// The problem in which the hidden states start from their courses in a fit.
-    fn with_hidden_of(&self, fit: &Fit, free_scale: &[usize]) -> Problem {
+    /// The problem in which the hidden states start from their courses in a fit, one of them with an offset.
+    fn with_hidden_of(&self, fit: &Fit, free_scale: &[usize], offset: Option<&Offset>) -> Problem {
         let n = self.states();
         let (given, sought) = hidden_laws(self);
         let course = |law: usize| {
             let own = &self.system.laws[law];
             let first = own.state + 1 - usize::from(own.target.der);
+            let offset = offset.filter(|o| o.law == law);
             let chain = |path: &Vec<f64>| {
-                let along = |i: usize| path.iter().skip(i).step_by(n).copied().collect();
+                let course = |i: usize| path.iter().skip(i).step_by(n).copied();
+                let along = |i: usize| match offset.map(|o| (o.by, o.state)) {
+                    None => course(i).collect(),
+                    Some((by, None)) => course(i).map(|z| z + by).collect(),
+                    Some((by, Some(s))) => {
+                        let pairs = course(i).zip(course(s));
+                        pairs.map(|(z, x)| z + by * x).collect()
+                    }
+                };
                 (first..=own.state).map(along).collect()
             };
             HiddenCourse {
