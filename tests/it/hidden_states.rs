@@ -152,6 +152,35 @@ fn a_sought_law_is_found_from_any_start() {
     }
 }
 
+/// Prey alone is read. The predators b also obey laws of five terms as b + c a + d, and a search that drops one term at a time stays there.
+#[test]
+fn a_hidden_state_is_shifted_to_where_its_laws_have_the_fewest_terms() {
+    let mut random = Random::new(2);
+    let rates = |_: f64, [a, b]: &[f64; 2]| [0.9 * a - 0.5 * a * b, -0.7 * b + 0.3 * a * b];
+    let (step, mut state) = (0.05, [2.5, 1.5]);
+    let mut text = String::from("t,a\n");
+    for k in 0..1500 {
+        let t = step * f64::from(k);
+        text += &format!("{t},{:.6}\n", state[0] + 0.005 * random.normal());
+        state = integrate(&rates, t, t + step, state);
+    }
+    let model = "system m\nstate a\nstate b : hidden\nda, db ~ poly(a, b; 2)\n";
+    let folder = tempfile::tempdir().unwrap();
+    let (run, found) = identify(folder.path(), model, &text, &[]);
+    assert_eq!(run.status, 0, "{}{}", run.stdout, run.stderr);
+    near(coefficient(&found, "da", "a"), 0.9, 0.01);
+    near(coefficient(&found, "db", "b"), -0.7, 0.01);
+    near(coefficient(&found, "db", "a*b"), 0.3, 0.01);
+    let equations = found["equations"].as_array().unwrap();
+    let terms = |e: &Value| e["terms"].as_array().unwrap().len();
+    assert_eq!(
+        equations.iter().map(terms).sum::<usize>(),
+        4,
+        "{}",
+        run.stdout
+    );
+}
+
 #[test]
 fn parameters_that_no_reading_tells_apart_are_named() {
     let folder = tempfile::tempdir().unwrap();

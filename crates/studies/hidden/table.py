@@ -42,7 +42,17 @@ def relaxing(t, s):
     return [v, -4 * x - x**3 - 0.2 * v - 2 * f + 3 * np.sin(1.3 * t) + 2 * np.sin(0.55 * t), 1.5 * v - 0.7 * f]
 
 
-# Rates, starts, step s, samples, readings, model, and the terms of each law; `None` for any law of the hidden state of the same readings.
+def rossler(t, s):
+    x, y, z = s
+    return [-y - z, x + 0.2 * y, 0.2 + z * (x - 5.7)]
+
+
+def predation(t, s):
+    a, b = s
+    return [0.9 * a - 0.5 * a * b, -0.7 * b + 0.3 * a * b]
+
+
+# Rates, starts, step s, samples, readings, model, and the terms of each law; several where others give the same readings with as few terms.
 SYSTEMS = {
     "lorenz": dict(
         rates=lorenz, start=lambda r: [8 * r.normal(), 8 * r.normal(), 25 + 5 * r.normal()], settle=2.0, step=0.01, rows=1500, read={"x": 0, "y": 1},
@@ -61,6 +71,12 @@ SYSTEMS = {
         inputs={"u": lambda t: 3 * np.sin(1.3 * t) + 2 * np.sin(0.55 * t)},
         model="state x : order 2\nstate f : hidden\ninput u\nddx ~ <x, x^2, x^3, dx, dx^2, x*dx, f, u>\ndf ~ <1, x, dx, f>\n",
         laws=[{"ddx": "x x^3 dx f u", "df": "dx f"}, {"ddx": "x x^3 dx f u", "df": "x f"}]),
+    "predation": dict(
+        rates=predation, start=lambda r: [2 + r.uniform(), 1 + r.uniform()], settle=0.0, step=0.05, rows=1500, read={"a": 0},
+        model="state a\nstate b : hidden\nda, db ~ poly(a, b; 2)\n", laws=[{"da": "a a*b", "db": "b a*b"}]),
+    "rossler": dict(
+        rates=rossler, start=lambda r: [5 + r.normal(), r.normal(), 0.1], settle=5.0, step=0.02, rows=2000, read={"x": 0, "y": 1},
+        model="state x, y\nstate z : hidden\ndx, dy, dz ~ poly(x, y, z; 2)\n", laws=[{"dx": "y z", "dy": "x y", "dz": "1 z x*z"}]),
 }
 
 

@@ -19,5 +19,5 @@ pub(crate) use constant_values::likely_constants;
 pub(crate) use exchanged_parameters::{exchanged_constants, exchanged_lags};
 pub use scale::ToldScale;
 pub(crate) use scale::with_told_scales;
-pub(crate) use start::{fit_proposed, with_started_states};
+pub(crate) use start::{fit_proposed, with_sparsest_offset, with_started_states};
 pub(crate) use thresholds::HIDDEN;

@@ -1,6 +1,6 @@
-//! Offsets of hidden states by measured ones that leave laws with fewer terms.
+//! Offsets of hidden states by terms of measured ones that leave laws with fewer terms.
 //!
-//! In: a problem, the terms of a fit to it. Out: how far to shift a hidden state, and the terms that the laws then have. Where x z stands beside x² in
+//! In: a problem, the terms of a fit to it. Out: what to add to a hidden state, and the terms that the laws then have. Where x z stands beside x² in
 //! a law, z + c x stands beside fewer terms, and the law of z + c x follows by the chain rule. A search that drops one term at a time does not find
 //! it: each of the others is needed while the rest stands.
 
@@ -11,69 +11,216 @@ use super::thresholds::HIDDEN;
 use crate::trajectory::model::{Problem, System};
 use sidc_lang::term::{Atom, Signal, Term};
 
-/// A hidden state z that becomes z + `by` · `state`.
+/// A hidden state z that becomes z + Σ c · term.
 pub(super) struct Offset {
     /// The law of z.
     pub law: usize,
-    /// Place of a measured state; `None` for a constant.
-    pub state: Option<usize>,
-    pub by: f64,
+    /// Products of measured states, or one, with their coefficients.
+    pub by: Vec<(Term, f64)>,
     /// Columns with coefficients afterwards.
     pub terms: Vec<(usize, f64)>,
 }
 
-/// Coefficients by law and term, each as a sum and the sum of its parts' sizes.
-type Coefficients = BTreeMap<(usize, Term), (f64, f64)>;
+/// Coefficients by law and term.
+type Laws = BTreeMap<(usize, Term), f64>;
+/// The same as sums, each with the sum of its parts' sizes.
+type Sums = BTreeMap<(usize, Term), (f64, f64)>;
 
-/// The offset after which the fewest terms are left; `None` where none leaves fewer.
-pub(super) fn sparsest_offset(problem: &Problem, active: &[(usize, f64)]) -> Option<Offset> {
-    let (_, sought) = hidden_laws(problem);
+/// Offsets after which fewer terms are left: for one product, two, … those that leave the fewest. The fewest terms of all come first.
+pub(super) fn sparsest_offsets(problem: &Problem, active: &[(usize, f64)]) -> Vec<Offset> {
     if !problem.run_columns.is_empty() {
-        return None;
-    }
-    let offsets = sought.iter().flat_map(|law| offsets(problem, active, *law));
-    offsets
-        .filter(|o| o.terms.len() < active.len())
-        .min_by_key(|o| o.terms.len())
-}
-
-/// Every offset of the hidden state of a law that takes a term out of another law.
-fn offsets(problem: &Problem, active: &[(usize, f64)], law: usize) -> Vec<Offset> {
-    let system = &problem.system;
-    let hidden = Signal::new(system.laws[law].target.var);
-    if system.laws[law].target.der != 1 {
         return Vec::new();
     }
-    let states = (0..system.states.len()).filter(|i| !system.is_hidden(*i));
-    let by_what: Vec<Option<usize>> = std::iter::once(None).chain(states.map(Some)).collect();
-    let mut found = Vec::new();
-    for (j, a) in active.iter().filter(|(j, _)| system.law_of(*j) != law) {
-        let Some(Some(rest)) = without(problem.term(*j), hidden) else {
-            continue;
-        };
-        for state in &by_what {
-            let beside = rest.mul(&factor(system, *state));
-            let own = |(k, _): &&(usize, f64)| {
-                system.law_of(*k) == system.law_of(*j) && *problem.term(*k) == beside
-            };
-            let Some((_, b)) = active.iter().find(own) else {
-                continue;
-            };
-            let by = b / a;
-            let terms = with_offset(problem, active, law, (*state, by));
-            found.extend(terms.map(|terms| Offset {
-                law,
-                state: *state,
-                by,
-                terms,
-            }));
-        }
+    let system = &problem.system;
+    let term = |(j, a): &(usize, f64)| ((system.law_of(*j), system.columns[*j].clone()), *a);
+    let laws: Laws = active.iter().map(term).collect();
+    let (_, sought) = hidden_laws(problem);
+    let offset = |law: usize, found: Shifted| {
+        let column = |(key, a): (&(usize, Term), &f64)| Some((column(system, key)?, *a));
+        let mut terms: Vec<(usize, f64)> = found.laws.iter().map(column).collect::<Option<_>>()?;
+        terms.sort_by_key(|(j, _)| *j);
+        Some(Offset {
+            law,
+            by: found.by,
+            terms,
+        })
+    };
+    let mut all: Vec<Offset> = Vec::new();
+    for law in sought {
+        let found = Offsets::new(system, law).map(|offsets| offsets.search(&laws));
+        let found = found.into_iter().flatten();
+        all.extend(found.filter_map(|shifted| offset(law, shifted)));
     }
-    found
+    all.sort_by_key(|o| o.terms.len());
+    all
 }
 
-fn factor(system: &System, state: Option<usize>) -> Term {
-    state.map_or_else(Term::one, |i| Term::signal(system.states[i]))
+fn column(system: &System, (law, term): &(usize, Term)) -> Option<usize> {
+    let mut own = system.laws[*law].columns.clone();
+    own.find(|j| system.columns[*j] == *term)
+}
+
+/// Laws after some offsets.
+#[derive(Clone)]
+struct Shifted {
+    by: Vec<(Term, f64)>,
+    laws: Laws,
+}
+
+/// Offsets of the hidden state of one law.
+struct Offsets<'a> {
+    system: &'a System,
+    law: usize,
+    hidden: Signal,
+    /// What the state may be shifted by.
+    products: Vec<Term>,
+}
+
+impl<'a> Offsets<'a> {
+    /// `None` for a law of second order.
+    fn new(system: &'a System, law: usize) -> Option<Offsets<'a>> {
+        let target = system.laws[law].target;
+        let mut products = vec![Term::one()];
+        for term in &system.columns {
+            let fits = term.degree() <= HIDDEN.offset_degree && rates(system, term).is_some();
+            if fits && !products.contains(term) && products.len() < HIDDEN.offset_products {
+                products.push(term.clone());
+            }
+        }
+        (target.der == 1).then(|| Offsets {
+            system,
+            law,
+            hidden: Signal::new(target.var),
+            products,
+        })
+    }
+
+    /// Beam search over a few offsets, one after another: the first ones may cost terms.
+    fn search(&self, laws: &Laws) -> Vec<Shifted> {
+        let mut states = vec![Shifted {
+            by: Vec::new(),
+            laws: laws.clone(),
+        }];
+        let mut best = Vec::new();
+        for _ in 0..HIDDEN.offsets {
+            let mut next: BTreeMap<Vec<(usize, Term)>, Shifted> = BTreeMap::new();
+            for shifted in states.iter().flat_map(|s| self.steps(s)) {
+                let support = shifted.laws.keys().cloned().collect();
+                next.entry(support).or_insert(shifted);
+            }
+            states = next.into_values().collect();
+            states.sort_by_key(|s| s.laws.len());
+            states.truncate(HIDDEN.offset_beam);
+            best.extend(
+                states
+                    .first()
+                    .filter(|s| s.laws.len() < laws.len())
+                    .cloned(),
+            );
+        }
+        best
+    }
+
+    /// Every offset by one product that takes a term away.
+    fn steps(&self, from: &Shifted) -> Vec<Shifted> {
+        let mut found = Vec::new();
+        for product in &self.products {
+            let sums = [-1.0, 1.0].map(|c| self.sums(&from.laws, product, c));
+            let [Some(minus), Some(plus)] = sums else {
+                continue;
+            };
+            for (key, now) in &from.laws {
+                let of = |sums: &Sums| sums.get(key).map_or(0.0, |s| s.0);
+                let (minus, plus) = (of(&minus), of(&plus));
+                // A coefficient is quadratic in the offset.
+                let slope = (plus - minus) / 2.0;
+                for c in roots(*now, slope, (plus + minus) / 2.0 - now) {
+                    found.extend(self.shifted(from, product, c));
+                }
+            }
+        }
+        found
+    }
+
+    /// `None` where a law would need a term that its library lacks.
+    fn shifted(&self, from: &Shifted, product: &Term, c: f64) -> Option<Shifted> {
+        let sums = self.sums(&from.laws, product, c)?;
+        let left = sums.into_iter();
+        let left = left.filter(|(_, (sum, size))| sum.abs() > HIDDEN.cancelled * size);
+        let laws: Laws = left.map(|(key, (sum, _))| (key, sum)).collect();
+        let known = laws.keys().all(|key| column(self.system, key).is_some());
+        let mut by = from.by.clone();
+        by.push((product.clone(), c));
+        known.then_some(Shifted { by, laws })
+    }
+
+    /// The laws in terms of z + c · product. `None` where a term is not linear in z.
+    fn sums(&self, laws: &Laws, product: &Term, c: f64) -> Option<Sums> {
+        let mut sums = Sums::new();
+        let add = |sums: &mut Sums, key: (usize, Term), a: f64, size: f64| {
+            let sum = sums.entry(key).or_default();
+            *sum = (sum.0 + a, sum.1 + size);
+        };
+        for ((law, term), a) in laws {
+            add(&mut sums, (*law, term.clone()), *a, a.abs());
+            if let Some(rest) = without(term, self.hidden)? {
+                // z = (z + c p) − c p
+                let key = (*law, rest.mul(product));
+                add(&mut sums, key, -c * a, (c * a).abs());
+            }
+        }
+        // d(z + c p) = dz + c dp
+        for (factor, rate) in rates(self.system, product)? {
+            match rate {
+                Rate::State(s) => {
+                    let key = (self.law, factor.1.mul(&Term::signal(s)));
+                    add(&mut sums, key, c * factor.0, (c * factor.0).abs());
+                }
+                Rate::Law(law) => {
+                    let own = sums.iter().filter(|((l, _), _)| *l == law);
+                    let own: Vec<(Term, (f64, f64))> =
+                        own.map(|((_, t), sum)| (t.clone(), *sum)).collect();
+                    for (term, (a, size)) in own {
+                        let (by, key) = (c * factor.0, (self.law, factor.1.mul(&term)));
+                        add(&mut sums, key, by * a, by.abs() * size);
+                    }
+                }
+            }
+        }
+        Some(sums)
+    }
+}
+
+/// The rate of a measured state.
+enum Rate {
+    State(Signal),
+    Law(usize),
+}
+
+/// The rate of a product of measured states by the product rule: what each state's rate is multiplied by. `None` for other terms, and where the
+/// law of a state has known terms.
+fn rates(system: &System, product: &Term) -> Option<Vec<((f64, Term), Rate)>> {
+    let factor = |(atom, power): (&Atom, f64)| {
+        let Atom::Signal(s) = atom else {
+            return None;
+        };
+        let state = system.states.iter().position(|x| x == s)?;
+        let lower = match power {
+            1.0 => Term::one(),
+            2.0 => Term::signal(*s),
+            _ => return None,
+        };
+        let rest = product.part(|a| a != atom).mul(&lower);
+        let law = system.laws.iter().position(|l| l.state == state);
+        let rate = match (system.derivative_state(state), law) {
+            _ if system.is_hidden(state) => return None,
+            (Some(rate), _) => Rate::State(system.states[rate]),
+            (None, Some(law)) if system.laws[law].known.terms().len() == 0 => Rate::Law(law),
+            _ => return None,
+        };
+        Some(((power, rest), rate))
+    };
+    product.factors().map(factor).collect()
 }
 
 /// A term without its hidden factor: `Some(None)` where it has none, `None` where it is not linear in it.
@@ -89,59 +236,11 @@ fn without(term: &Term, hidden: Signal) -> Option<Option<Term>> {
     }
 }
 
-/// The laws in terms of z + c s; `None` where a law would need a term that its library lacks.
-fn with_offset(
-    problem: &Problem,
-    active: &[(usize, f64)],
-    law: usize,
-    (state, c): (Option<usize>, f64),
-) -> Option<Vec<(usize, f64)>> {
-    let system = &problem.system;
-    let hidden = Signal::new(system.laws[law].target.var);
-    let by = factor(system, state);
-    let mut all = Coefficients::new();
-    let mut add = |law: usize, term: Term, a: f64| {
-        let sum = all.entry((law, term)).or_default();
-        *sum = (sum.0 + a, sum.1 + a.abs());
-    };
-    for (j, a) in active {
-        let (own, term) = (system.law_of(*j), problem.term(*j));
-        // z = (z + c s) − c s
-        add(own, term.clone(), *a);
-        let rest = without(term, hidden)?;
-        let behind = rest.map(|rest| rest.mul(&by));
-        if let Some(behind) = &behind {
-            add(own, behind.clone(), -c * a);
-        }
-        // d(z + c s) = dz + c ds
-        if state.is_some_and(|i| system.laws[own].state == i) {
-            add(law, term.clone(), c * a);
-            if let Some(behind) = behind {
-                add(law, behind, -c * c * a);
-            }
-        }
-    }
-    if let Some(i) = state {
-        rate_of(system, i, &mut |term| add(law, term, c))?;
-    }
-    let left = all
-        .into_iter()
-        .filter(|(_, (sum, size))| sum.abs() > HIDDEN.cancelled * size);
-    let column = |((law, term), (a, _)): ((usize, Term), (f64, f64))| {
-        let mut own = system.laws[law].columns.clone();
-        Some((own.find(|j| system.columns[*j] == term)?, a))
-    };
-    let mut terms: Vec<(usize, f64)> = left.map(column).collect::<Option<_>>()?;
-    terms.sort_by_key(|(j, _)| *j);
-    Some(terms)
-}
-
-/// Gives the rate of a state where that is another state. `None` where the law of the state has known terms.
-fn rate_of(system: &System, state: usize, give: &mut dyn FnMut(Term)) -> Option<()> {
-    if let Some(rate) = system.derivative_state(state) {
-        give(Term::signal(system.states[rate]));
-        return Some(());
-    }
-    let law = system.laws.iter().find(|l| l.state == state)?;
-    (law.known.terms().len() == 0).then_some(())
+/// The real c ≠ 0 with a + b c + d c² = 0.
+fn roots(a: f64, b: f64, d: f64) -> impl Iterator<Item = f64> {
+    let root = (b * b - 4.0 * a * d).sqrt();
+    // Without cancellation: both from the sum of equal signs.
+    let q = -0.5 * (b + root.copysign(b));
+    let both = [q / d, a / q];
+    both.into_iter().filter(|c| c.is_finite() && *c != 0.0)
 }

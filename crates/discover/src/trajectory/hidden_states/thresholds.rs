@@ -46,7 +46,13 @@ family! {
         /// Size of a coefficient that an offset of a hidden state takes away.
         cancelled: f64 = 0.05, unit "of the parts that it is the sum of", source "fits of starts are right to a hundredth; what remains is fitted and priced";
         /// Offsets tried one after another.
-        offsets: usize = 3, unit "offsets", source "as many as a hidden state has measured ones beside it in most models";
+        offsets: usize = 3, unit "offsets", source "Rössler's third state has a form of nine terms that three offsets make one of seven";
+        /// Laws that a further offset is tried on.
+        offset_beam: usize = 20, unit "laws", source "set by hand: a tenth of a second for 20 terms";
+        /// Most products of measured states that a hidden one is shifted by.
+        offset_products: usize = 12, unit "products", source "all of degree 2 of four states, but two";
+        /// Their largest degree.
+        offset_degree: f64 = 2.0, unit "", source "the rate of a product of higher degree is in few libraries";
         /// Most candidate columns of the measured part.
         columns: usize = 300, unit "columns", source "backward elimination of these takes a second";
     }
