@@ -23,41 +23,41 @@ pub(super) struct Offset {
 
 /// Coefficients by law and term.
 type Laws = BTreeMap<(usize, Term), f64>;
-/// The same as sums, each with the sum of its parts' sizes.
+/// Places of all columns.
+type Columns = BTreeMap<(usize, Term), usize>;
+/// Coefficients as sums, each with the sum of its parts' sizes.
 type Sums = BTreeMap<(usize, Term), (f64, f64)>;
 
 /// Offsets after which fewer terms are left: for one product, two, … those that leave the fewest. The fewest terms of all come first.
 pub(super) fn sparsest_offsets(problem: &Problem, active: &[(usize, f64)]) -> Vec<Offset> {
-    if !problem.run_columns.is_empty() {
+    let system = &problem.system;
+    // What the model says of coefficients is said of the state as it is.
+    if !problem.run_columns.is_empty() || !system.constraints.is_empty() {
         return Vec::new();
     }
-    let system = &problem.system;
-    let term = |(j, a): &(usize, f64)| ((system.law_of(*j), system.columns[*j].clone()), *a);
-    let laws: Laws = active.iter().map(term).collect();
     let (_, sought) = hidden_laws(problem);
+    let key = |j: usize| (system.law_of(j), system.columns[j].clone());
+    let laws: Laws = active.iter().map(|(j, a)| (key(*j), *a)).collect();
+    let columns: Columns = (0..system.columns.len()).map(|j| (key(j), j)).collect();
     let offset = |law: usize, found: Shifted| {
-        let column = |(key, a): (&(usize, Term), &f64)| Some((column(system, key)?, *a));
-        let mut terms: Vec<(usize, f64)> = found.laws.iter().map(column).collect::<Option<_>>()?;
+        let terms = found.laws.iter();
+        let terms = terms.filter_map(|(key, a)| Some((*columns.get(key)?, *a)));
+        let mut terms: Vec<(usize, f64)> = terms.collect();
         terms.sort_by_key(|(j, _)| *j);
-        Some(Offset {
+        Offset {
             law,
             by: found.by,
             terms,
-        })
+        }
     };
     let mut all: Vec<Offset> = Vec::new();
     for law in sought {
-        let found = Offsets::new(system, law).map(|offsets| offsets.search(&laws));
+        let found = Offsets::new((system, &columns), law).map(|offsets| offsets.search(&laws));
         let found = found.into_iter().flatten();
-        all.extend(found.filter_map(|shifted| offset(law, shifted)));
+        all.extend(found.map(|shifted| offset(law, shifted)));
     }
     all.sort_by_key(|o| o.terms.len());
     all
-}
-
-fn column(system: &System, (law, term): &(usize, Term)) -> Option<usize> {
-    let mut own = system.laws[*law].columns.clone();
-    own.find(|j| system.columns[*j] == *term)
 }
 
 /// Laws after some offsets.
@@ -70,6 +70,7 @@ struct Shifted {
 /// Offsets of the hidden state of one law.
 struct Offsets<'a> {
     system: &'a System,
+    columns: &'a Columns,
     law: usize,
     hidden: Signal,
     /// What the state may be shifted by.
@@ -78,7 +79,7 @@ struct Offsets<'a> {
 
 impl<'a> Offsets<'a> {
     /// `None` for a law of second order.
-    fn new(system: &'a System, law: usize) -> Option<Offsets<'a>> {
+    fn new((system, columns): (&'a System, &'a Columns), law: usize) -> Option<Offsets<'a>> {
         let target = system.laws[law].target;
         let mut products = vec![Term::one()];
         for term in &system.columns {
@@ -89,6 +90,7 @@ impl<'a> Offsets<'a> {
         }
         (target.der == 1).then(|| Offsets {
             system,
+            columns,
             law,
             hidden: Signal::new(target.var),
             products,
@@ -148,7 +150,7 @@ impl<'a> Offsets<'a> {
         let left = sums.into_iter();
         let left = left.filter(|(_, (sum, size))| sum.abs() > HIDDEN.cancelled * size);
         let laws: Laws = left.map(|(key, (sum, _))| (key, sum)).collect();
-        let known = laws.keys().all(|key| column(self.system, key).is_some());
+        let known = laws.keys().all(|key| self.columns.contains_key(key));
         let mut by = from.by.clone();
         by.push((product.clone(), c));
         known.then_some(Shifted { by, laws })
