@@ -9,7 +9,7 @@ use crate::joint::joint_fit::JointFit;
 use crate::selection::thresholds::TERM_SELECTION;
 use crate::trajectory::{
     Parameter, Problem, SoughtConstant, ToldScale, exchanged_constants, exchanged_lags,
-    unidentifiable_directions, with_told_scales,
+    unidentifiable_directions, with_sparsest_offset, with_told_scales,
 };
 use sidc_lang::model::Model;
 use sidc_lang::number::significant;
@@ -20,13 +20,20 @@ use sidc_system::discovery::{Discovery, HiddenStart, HiddenState, Reason, Reason
 /// Digits of coefficients in a sentence.
 const FIGURES: usize = 3;
 
-/// Brings hidden states whose scale the laws leave free to the scale in which they are reported.
+/// Shifts hidden states so that the laws have the fewest terms, and brings those whose scale is free to the scale in which they are reported.
 pub(crate) fn settle_scales(
     answer: &mut ConstrainedAnswer,
     watcher: &mut EquationObserver,
 ) -> Vec<ToldScale> {
     if answer.fit.problem.system.hidden.is_empty() {
         return Vec::new();
+    }
+    let shifted = |answer: &ConstrainedAnswer, watcher: &mut EquationObserver| {
+        with_sparsest_offset(&answer.fit.problem, &answer.fit.found, watcher)
+    };
+    while let Some((problem, found)) = shifted(answer, watcher) {
+        answer.fit.problem = Cow::Owned(problem);
+        answer.fit.found = found;
     }
     let scaled = with_told_scales(&answer.fit.problem, &answer.fit.found, watcher);
     let Some((problem, found, told)) = scaled else {

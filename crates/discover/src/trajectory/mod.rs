@@ -61,7 +61,7 @@ mod tests;
 pub use hidden_states::ToldScale;
 pub(crate) use hidden_states::{
     HIDDEN, exchanged_constants, exchanged_lags, fit_proposed, likely_constants,
-    with_started_states, with_told_scales,
+    with_sparsest_offset, with_started_states, with_told_scales,
 };
 pub use least_squares::SketchedProblem;
 pub use likelihood::{BlockProducts, Fit, block_products, term_price};

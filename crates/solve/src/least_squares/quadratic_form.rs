@@ -53,6 +53,20 @@ impl QuadraticForm {
         }
     }
 
+    /// The form of some of the columns.
+    pub fn of_columns(&self, columns: &[usize]) -> QuadraticForm {
+        let pairs = columns
+            .iter()
+            .flat_map(|i| columns.iter().map(move |j| (*i, *j)));
+        QuadraticForm {
+            p: columns.len(),
+            gram: pairs.map(|(i, j)| self.row(i)[j]).collect(),
+            right: columns.iter().map(|j| self.right[*j]).collect(),
+            total: self.total,
+            norms: columns.iter().map(|j| self.norms[*j]).collect(),
+        }
+    }
+
     pub fn row(&self, i: usize) -> &[f64] {
         &self.gram[i * self.p..(i + 1) * self.p]
     }

@@ -8,7 +8,7 @@ use super::hidden_laws::hidden_laws;
 use super::start::tightened;
 use super::thresholds::HIDDEN;
 use crate::trajectory::likelihood::{Fit, fit};
-use crate::trajectory::model::{LinearizationPoint, Problem};
+use crate::trajectory::model::{Law, LinearizationPoint, Problem};
 use crate::trajectory::search::{
     FittedConstants, Found, Parameter, SoughtConstant, fit_constants, last_criterion,
     with_constant_values,
@@ -16,7 +16,7 @@ use crate::trajectory::search::{
 use sidc_lang::term::{Signal, Term};
 use sidc_progress::Observer;
 
-/// The first such fit whose criterion is at most `tie` more.
+/// The first such fit, with clearly other time constants, whose criterion is at most `tie` more.
 pub(crate) fn exchanged_lags(
     problem: &Problem,
     found: &Found,
@@ -32,8 +32,26 @@ pub(crate) fn exchanged_lags(
     let starts: Vec<LinearizationPoint> = starts.collect();
     starts.into_iter().find_map(|start| {
         let twin = fit(problem, start, &criterion, f64::INFINITY, observer)?;
-        (twin.converged && twin.value < found.best.value + tie).then_some(twin)
+        let tied = twin.converged && twin.value < found.best.value + tie;
+        (tied && has_other_lags(problem, &twin.point, &found.best.point)).then_some(twin)
     })
+}
+
+/// Whether some law has clearly another time constant, the coefficient of its own state. A fit may come back to where it was, but for an offset
+/// of the hidden state.
+fn has_other_lags(problem: &Problem, one: &LinearizationPoint, other: &LinearizationPoint) -> bool {
+    let system = &problem.system;
+    let lag = |point: &LinearizationPoint, law: &Law| {
+        let own = Term::signal(system.states[law.state]);
+        let mut active = point.active().into_iter();
+        let lag = active.find(|(j, _)| law.columns.contains(j) && system.columns[*j] == own);
+        lag.map_or(0.0, |(_, a)| a)
+    };
+    let mut pairs = system
+        .laws
+        .iter()
+        .map(|law| (lag(one, law), lag(other, law)));
+    pairs.any(|(a, b)| (a - b).abs() > HIDDEN.distinct * b.abs())
 }
 
 /// The point with the time constants of the hidden law `h` and of law `l` exchanged.

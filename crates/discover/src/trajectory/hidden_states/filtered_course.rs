@@ -192,7 +192,24 @@ impl<'a> Filters<'a> {
                 problem.set_exogenous(signal, false, values);
             }
         }
-        observed_fits(&problem, observer)
+        observed_fits(&problem, &self.sets(), observer)
+    }
+
+    /// Sets of columns of the part: all, and for one hidden state those in which it stands in one term alone. Among all, columns of other
+    /// terms make up for a time constant that is not quite right.
+    fn sets(&self) -> Vec<Vec<usize>> {
+        let all = 0..self.made.len();
+        let mut sets = vec![all.clone().collect()];
+        let mut terms: Vec<usize> = self.made.iter().flatten().map(|f| f.column).collect();
+        terms.dedup();
+        if self.laws.len() > 1 || terms.len() < 2 {
+            return sets;
+        }
+        sets.extend(terms.iter().map(|term| {
+            let own = |j: &usize| self.made[*j].is_none_or(|f| f.column == *term);
+            all.clone().filter(own).collect()
+        }));
+        sets
     }
 
     /// The hidden courses, and columns of the whole problem with coefficients, that a fit with filters of this time constant stands for.
@@ -265,9 +282,14 @@ impl HiddenLaw {
     fn new(problem: &Problem, law: usize) -> Option<HiddenLaw> {
         let system = &problem.system;
         let own = &system.laws[law];
-        let drives: Vec<usize> = (own.columns.clone())
+        let mut drives: Vec<usize> = (own.columns.clone())
             .filter(|j| !system.mentions_hidden(&system.columns[*j]))
             .collect();
+        if own.target.der == 1 {
+            // A rate through a filter is (x − x through the filter)/τ, so it is no further column.
+            let terms: Vec<Term> = drives.iter().map(|j| system.columns[*j].clone()).collect();
+            drives.retain(|j| !is_rate_of_another(&system.columns[*j], &terms));
+        }
         let exprs: Vec<Expr> = (drives.iter())
             .map(|j| system.columns[*j].clone().into())
             .collect();
@@ -290,6 +312,19 @@ impl HiddenLaw {
             drives,
         })
     }
+}
+
+/// Whether a term is the derivative of a signal that is a term, too.
+fn is_rate_of_another(term: &Term, terms: &[Term]) -> bool {
+    let mut rate = false;
+    term.for_each_signal(&mut |s| {
+        let lower = s
+            .der
+            .checked_sub(1)
+            .map(|der| Signal::derivative(s.var, der));
+        rate |= *term == Term::signal(s) && lower.is_some_and(|l| terms.contains(&Term::signal(l)));
+    });
+    rate
 }
 
 /// The values of expressions along a smoothed record, each of its length; infinite ones are taken as zero.

@@ -19,10 +19,14 @@ pub(super) struct ObservedFit {
     pub strengths: Vec<f64>,
 }
 
-/// Selects columns on the integrals of the laws between samples: one fit for each slack and price of a first linearisation, always in the
-/// same order, so that fits of different guesses can be compared one by one. Fewer where the observer ends the work, or a column is not
-/// finite.
-pub(super) fn observed_fits(problem: &Problem, observer: &mut dyn Observer) -> Vec<ObservedFit> {
+/// Selects columns on the integrals of the laws between samples: one fit for each slack of a first linearisation, set of columns to select
+/// from, and price, always in the same order, so that fits of different guesses can be compared one by one. Fewer where the observer ends
+/// the work, or a column is not finite.
+pub(super) fn observed_fits(
+    problem: &Problem,
+    sets: &[Vec<usize>],
+    observer: &mut dyn Observer,
+) -> Vec<ObservedFit> {
     let floor = final_floor(problem);
     let sigma: Vec<f64> = (problem.noise.iter().zip(&floor))
         .map(|(noise, floor)| noise.max(*floor))
@@ -34,30 +38,35 @@ pub(super) fn observed_fits(problem: &Problem, observer: &mut dyn Observer) -> V
         let Some(form) = problem.integral_matching_form(&sigma, slack, observer) else {
             return fits;
         };
-        let all: Vec<usize> = (0..form.p).collect();
-        let least = form.least_squares(&all).square.max(0.0) / readings;
-        if !least.is_finite() {
-            return fits;
-        }
-        let prices = SEARCH.initial_prices.map(|p| p * penalty * least.max(1.0));
-        let supports = form.backward_elimination(&prices).into_iter().zip(prices);
-        for (support, price) in supports {
-            let support = form.steepest_descent(&support, price);
-            let fit = form.least_squares(&support);
-            let left = (fit.square.max(0.0) / readings).max(f64::MIN_POSITIVE);
-            let strength = |(j, a): (&usize, &f64)| a.abs() * form.row(*j)[*j].max(0.0).sqrt();
-            fits.push(ObservedFit {
-                value: readings * left.ln() + penalty * support.len() as f64,
-                strengths: support
-                    .iter()
-                    .zip(&fit.coefficients)
-                    .map(strength)
-                    .collect(),
-                terms: support.into_iter().zip(fit.coefficients).collect(),
-            });
+        for columns in sets {
+            let some = form.of_columns(columns);
+            let all: Vec<usize> = (0..some.p).collect();
+            let least = some.least_squares(&all).square.max(0.0) / readings;
+            if !least.is_finite() {
+                return fits;
+            }
+            let prices = SEARCH.initial_prices.map(|p| p * penalty * least.max(1.0));
+            let supports = some.backward_elimination(&prices).into_iter().zip(prices);
+            fits.extend(supports.map(|(support, price)| {
+                let support = some.steepest_descent(&support, price);
+                let fit = some.least_squares(&support);
+                let left = (fit.square.max(0.0) / readings).max(f64::MIN_POSITIVE);
+                let size = |j: usize| some.row(j)[j].max(0.0).sqrt();
+                let pairs = || support.iter().zip(&fit.coefficients);
+                ObservedFit {
+                    value: readings * left.ln() + penalty * support.len() as f64,
+                    strengths: pairs().map(|(j, a)| a.abs() * size(*j)).collect(),
+                    terms: pairs().map(|(j, a)| (columns[*j], *a)).collect(),
+                }
+            }));
         }
     }
     fits
+}
+
+/// One set of all columns, to select from.
+pub(super) fn every_column(problem: &Problem) -> [Vec<usize>; 1] {
+    [(0..problem.system.columns.len()).collect()]
 }
 
 /// The fits of the measured part with the present courses of the hidden states, in columns of the whole problem.
@@ -79,7 +88,8 @@ pub(super) fn observed(problem: &Problem, observer: &mut dyn Observer) -> Vec<Ob
         }
     }
     let whole = |(j, a): (usize, f64)| Some((part.origin[j]?, a));
-    let fits = observed_fits(&part.problem, observer).into_iter();
+    let sets = every_column(&part.problem);
+    let fits = observed_fits(&part.problem, &sets, observer).into_iter();
     fits.map(|fit| ObservedFit {
         terms: fit.terms.into_iter().filter_map(whole).collect(),
         ..fit

@@ -5,7 +5,7 @@
 //! been read. It is a guess: the fit of the trajectory takes all laws as they are written.
 
 use super::filtered_course::Start;
-use super::observed_fit::observed_fits;
+use super::observed_fit::{every_column, observed_fits};
 use super::thresholds::HIDDEN;
 use crate::trajectory::model::{HiddenCourse, Problem, gradient};
 use sidc_lang::term::{Expr, Signal, Tape};
@@ -34,7 +34,7 @@ pub(super) fn solved_courses(
         one.add_pseudo_readings(&mut as_read);
     }
     as_read.update_noise();
-    let mut fits = observed_fits(&as_read, observer);
+    let mut fits = observed_fits(&as_read, &every_column(&as_read), observer);
     fits.sort_by(|a, b| a.value.total_cmp(&b.value));
     let mut starts: Vec<Start> = Vec::new();
     for fit in fits {

@@ -6,12 +6,14 @@ use super::filtered_course::{Start, filtered_courses};
 use super::given_course::given_courses;
 use super::hidden_laws::hidden_laws;
 use super::observed_fit::observed;
+use super::offset::{Offset, sparsest_offsets};
 use super::scale::is_free;
 use super::solved_course::solved_courses;
 use super::thresholds::HIDDEN;
-use crate::trajectory::likelihood::{Fit, fit};
+use crate::trajectory::likelihood::{Fit, fit, set_variances};
 use crate::trajectory::model::{HiddenCourse, LinearizationPoint, Problem};
-use crate::trajectory::search::final_criterion;
+use crate::trajectory::search::{Found, final_criterion, last_criterion};
+use sidc_lang::term::Signal;
 use sidc_progress::Observer;
 
 /// The problem with courses of its hidden states and columns to start from: of at most `most` proposals the one from which the fit of all
@@ -23,12 +25,67 @@ pub(crate) fn with_started_states(
 ) -> Problem {
     let free = of_free_scale(problem);
     let problem = with_given_courses(problem, &free);
-    let Some((fit, started)) = best_start(&problem, &free, most, observer) else {
+    let Some((mut fit, mut started)) = best_start(&problem, &free, most, observer) else {
         return problem;
     };
-    let mut started = started.with_hidden_of(&fit, &free);
+    let beat = |fit: &Fit| {
+        if fit.converged {
+            fit.value
+        } else {
+            f64::INFINITY
+        }
+    };
+    while let Some(sparser) = with_fewer_terms((&started, &free), &fit, beat(&fit), observer) {
+        (fit, started) = sparser;
+    }
+    let mut started = started.with_hidden_of(&fit, &free, None);
     started.proposed = Some(fit.point.active());
     started
+}
+
+/// An answer in which hidden states are shifted so that the laws have fewer terms, and its problem; `None` where none is better.
+pub(crate) fn with_sparsest_offset(
+    problem: &Problem,
+    found: &Found,
+    observer: &mut dyn Observer,
+) -> Option<(Problem, Found)> {
+    let free = of_free_scale(problem);
+    // Values at other prices of a term are not compared.
+    let beat = match found.inefficiency == 1.0 {
+        true => found.best.value,
+        false => f64::INFINITY,
+    };
+    let (near, shifted) = with_fewer_terms((problem, &free), &found.best, beat, observer)?;
+    let criterion = last_criterion(problem, found.inefficiency);
+    let best = fit(&shifted, near.point, &criterion, f64::INFINITY, observer)?;
+    let mut better = Found {
+        best,
+        ..found.clone()
+    };
+    set_variances(&shifted, &mut better.best, observer);
+    let accepted = better.best.converged && better.best.value < found.best.value;
+    accepted.then_some((shifted, better))
+}
+
+/// A fit of fewer terms and a criterion below `beat`, after an offset of a hidden state by measured ones, and its problem.
+fn with_fewer_terms(
+    (problem, free): (&Problem, &[usize]),
+    fit: &Fit,
+    beat: f64,
+    observer: &mut dyn Observer,
+) -> Option<(Fit, Problem)> {
+    let offsets = sparsest_offsets(problem, &fit.point.active());
+    offsets.into_iter().find_map(|offset| {
+        let shifted = problem.with_hidden_of(fit, free, Some(&offset));
+        let (support, coefficients) = offset.terms.into_iter().unzip();
+        let point = LinearizationPoint {
+            support,
+            coefficients,
+            ..shifted.initial_point(&shifted.noise)
+        };
+        let found = tightened(&shifted, point, f64::INFINITY, observer)?;
+        (found.converged && found.value < beat).then_some((found, shifted))
+    })
 }
 
 /// The criterion of the fit from the best start, for long records on segments; infinite where no fit converges.
@@ -130,15 +187,24 @@ pub(super) fn tightened(
 }
 
 impl Problem {
-    /// The problem in which the hidden states start from their courses in a fit.
-    fn with_hidden_of(&self, fit: &Fit, free_scale: &[usize]) -> Problem {
+    /// The problem in which the hidden states start from their courses in a fit, one of them with an offset.
+    fn with_hidden_of(&self, fit: &Fit, free_scale: &[usize], offset: Option<&Offset>) -> Problem {
         let n = self.states();
         let (given, sought) = hidden_laws(self);
         let course = |law: usize| {
             let own = &self.system.laws[law];
             let first = own.state + 1 - usize::from(own.target.der);
+            let by = offset.filter(|o| o.law == law).map_or(&[][..], |o| &o.by);
+            let shift = |row: &[f64]| -> f64 {
+                let at = |s: Signal| {
+                    let place = self.system.states.iter().position(|x| *x == s);
+                    place.and_then(|i| row.get(i)).copied().unwrap_or(0.0)
+                };
+                by.iter().map(|(term, c)| c * term.eval(&at)).sum()
+            };
             let chain = |path: &Vec<f64>| {
-                let along = |i: usize| path.iter().skip(i).step_by(n).copied().collect();
+                let rows = || path.chunks_exact(n);
+                let along = |i: usize| rows().map(|row| row[i] + shift(row)).collect();
                 (first..=own.state).map(along).collect()
             };
             HiddenCourse {
