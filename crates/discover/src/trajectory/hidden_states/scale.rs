@@ -69,7 +69,12 @@ pub(crate) fn with_told_scales(
     }
     scaled.pins.clear();
     let criterion = last_criterion(problem, found.inefficiency);
-    let best = fit(&scaled, point, &criterion, f64::INFINITY, observer)?;
+    // Searches of hidden states begin anywhere. How far a hidden state may slip follows from its course, so it is taken from the last one.
+    let near = fit(&scaled, point, &criterion, f64::INFINITY, observer)?;
+    let mut scaled = scaled.with_hidden_of(&near, &[], None);
+    let near = fit(&scaled, near.point, &criterion, f64::INFINITY, observer)?;
+    scaled = scaled.with_hidden_of(&near, &[], None);
+    let best = fit(&scaled, near.point, &criterion, f64::INFINITY, observer)?;
     let mut found = Found {
         best,
         ..found.clone()

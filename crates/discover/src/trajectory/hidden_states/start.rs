@@ -188,7 +188,12 @@ pub(super) fn tightened(
 
 impl Problem {
     /// The problem in which the hidden states start from their courses in a fit, one of them with an offset.
-    fn with_hidden_of(&self, fit: &Fit, free_scale: &[usize], offset: Option<&Offset>) -> Problem {
+    pub(super) fn with_hidden_of(
+        &self,
+        fit: &Fit,
+        free_scale: &[usize],
+        offset: Option<&Offset>,
+    ) -> Problem {
         let n = self.states();
         let (given, sought) = hidden_laws(self);
         let course = |law: usize| {
