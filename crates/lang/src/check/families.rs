@@ -1,7 +1,8 @@
 //! Families of equations, `dx[i] ~ <x[i-1], x[i]>, i = 1..10`: written out, one equation for each value of the index.
 //!
 //! In: a parsed file. Out: the file without families, and their errors. Expanded equations keep the places of the text that they come from.
-//! An index beyond the declared names is an error, unless the range is cyclic; names are looked up for such errors, and for an index that is called like a variable.
+//! An index beyond the declared names is an error, unless the range is cyclic; names are looked up for such errors, and
+//! for an index that is called like a variable.
 
 use std::collections::BTreeSet;
 

@@ -69,27 +69,49 @@ struct Shifted {
 
 /// Offsets of the hidden state of one law.
 struct Offsets<'a> {
-    system: &'a System,
     columns: &'a Columns,
     law: usize,
     hidden: Signal,
     /// What the state may be shifted by.
-    products: Vec<Term>,
+    products: Vec<Product>,
+}
+
+/// A product of measured states, or one, with its rate by the product rule.
+struct Product {
+    term: Term,
+    factors: Vec<Factor>,
+}
+
+/// A factor of a product: the rate of the product has the part `power` · `rest` · `rate`.
+struct Factor {
+    power: f64,
+    rest: Term,
+    rate: Rate,
+}
+
+/// The rate of a measured state: another state, or what a law says.
+enum Rate {
+    State(Signal),
+    Law(usize),
 }
 
 impl<'a> Offsets<'a> {
     /// `None` for a law of second order.
-    fn new((system, columns): (&'a System, &'a Columns), law: usize) -> Option<Offsets<'a>> {
+    fn new((system, columns): (&System, &'a Columns), law: usize) -> Option<Offsets<'a>> {
         let target = system.laws[law].target;
-        let mut products = vec![Term::one()];
-        for term in &system.columns {
-            let fits = term.degree() <= HIDDEN.offset_degree && rates(system, term).is_some();
-            if fits && !products.contains(term) && products.len() < HIDDEN.offset_products {
-                products.push(term.clone());
+        let mut products = Vec::new();
+        products.extend(Product::of(system, &Term::one()));
+        for term in system
+            .columns
+            .iter()
+            .filter(|t| t.degree() <= HIDDEN.offset_degree)
+        {
+            let is_new = products.iter().all(|p: &Product| p.term != *term);
+            if is_new && products.len() < HIDDEN.offset_products {
+                products.extend(Product::of(system, term));
             }
         }
         (target.der == 1).then(|| Offsets {
-            system,
             columns,
             law,
             hidden: Signal::new(target.var),
@@ -145,19 +167,19 @@ impl<'a> Offsets<'a> {
     }
 
     /// `None` where a law would need a term that its library lacks.
-    fn shifted(&self, from: &Shifted, product: &Term, c: f64) -> Option<Shifted> {
+    fn shifted(&self, from: &Shifted, product: &Product, c: f64) -> Option<Shifted> {
         let sums = self.sums(&from.laws, product, c)?;
         let left = sums.into_iter();
         let left = left.filter(|(_, (sum, size))| sum.abs() > HIDDEN.cancelled * size);
         let laws: Laws = left.map(|(key, (sum, _))| (key, sum)).collect();
         let known = laws.keys().all(|key| self.columns.contains_key(key));
         let mut by = from.by.clone();
-        by.push((product.clone(), c));
+        by.push((product.term.clone(), c));
         known.then_some(Shifted { by, laws })
     }
 
     /// The laws in terms of z + c · product. `None` where a term is not linear in z.
-    fn sums(&self, laws: &Laws, product: &Term, c: f64) -> Option<Sums> {
+    fn sums(&self, laws: &Laws, product: &Product, c: f64) -> Option<Sums> {
         let mut sums = Sums::new();
         let add = |sums: &mut Sums, key: (usize, Term), a: f64, size: f64| {
             let sum = sums.entry(key).or_default();
@@ -167,62 +189,64 @@ impl<'a> Offsets<'a> {
             add(&mut sums, (*law, term.clone()), *a, a.abs());
             if let Some(rest) = without(term, self.hidden)? {
                 // z = (z + c p) − c p
-                let key = (*law, rest.mul(product));
+                let key = (*law, rest.mul(&product.term));
                 add(&mut sums, key, -c * a, (c * a).abs());
             }
         }
         // d(z + c p) = dz + c dp
-        for (factor, rate) in rates(self.system, product)? {
-            match rate {
-                Rate::State(s) => {
-                    let key = (self.law, factor.1.mul(&Term::signal(s)));
-                    add(&mut sums, key, c * factor.0, (c * factor.0).abs());
-                }
+        for Factor { power, rest, rate } in &product.factors {
+            let rate: Vec<(Term, (f64, f64))> = match rate {
+                Rate::State(s) => vec![(Term::signal(*s), (1.0, 1.0))],
                 Rate::Law(law) => {
-                    let own = sums.iter().filter(|((l, _), _)| *l == law);
-                    let own: Vec<(Term, (f64, f64))> =
-                        own.map(|((_, t), sum)| (t.clone(), *sum)).collect();
-                    for (term, (a, size)) in own {
-                        let (by, key) = (c * factor.0, (self.law, factor.1.mul(&term)));
-                        add(&mut sums, key, by * a, by.abs() * size);
-                    }
+                    let own = sums.iter().filter(|((l, _), _)| l == law);
+                    own.map(|((_, t), sum)| (t.clone(), *sum)).collect()
                 }
+            };
+            let by = c * power;
+            for (term, (a, size)) in rate {
+                add(
+                    &mut sums,
+                    (self.law, rest.mul(&term)),
+                    by * a,
+                    by.abs() * size,
+                );
             }
         }
         Some(sums)
     }
 }
 
-/// The rate of a measured state.
-enum Rate {
-    State(Signal),
-    Law(usize),
-}
-
-/// The rate of a product of measured states by the product rule: what each state's rate is multiplied by. `None` for other terms, and where the
-/// law of a state has known terms.
-fn rates(system: &System, product: &Term) -> Option<Vec<((f64, Term), Rate)>> {
-    let factor = |(atom, power): (&Atom, f64)| {
-        let Atom::Signal(s) = atom else {
-            return None;
+impl Product {
+    /// `None` for terms of other factors, and where the law of a state has known terms.
+    fn of(system: &System, product: &Term) -> Option<Product> {
+        let factor = |(atom, power): (&Atom, f64)| {
+            let Atom::Signal(s) = atom else {
+                return None;
+            };
+            let state = system.states.iter().position(|x| x == s)?;
+            let lower = match power {
+                1.0 => Term::one(),
+                2.0 => Term::signal(*s),
+                _ => return None,
+            };
+            let law = system.laws.iter().position(|l| l.state == state);
+            let rate = match (system.derivative_state(state), law) {
+                _ if system.is_hidden(state) => return None,
+                (Some(rate), _) => Rate::State(system.states[rate]),
+                (None, Some(law)) if system.laws[law].known.terms().len() == 0 => Rate::Law(law),
+                _ => return None,
+            };
+            Some(Factor {
+                power,
+                rest: product.part(|a| a != atom).mul(&lower),
+                rate,
+            })
         };
-        let state = system.states.iter().position(|x| x == s)?;
-        let lower = match power {
-            1.0 => Term::one(),
-            2.0 => Term::signal(*s),
-            _ => return None,
-        };
-        let rest = product.part(|a| a != atom).mul(&lower);
-        let law = system.laws.iter().position(|l| l.state == state);
-        let rate = match (system.derivative_state(state), law) {
-            _ if system.is_hidden(state) => return None,
-            (Some(rate), _) => Rate::State(system.states[rate]),
-            (None, Some(law)) if system.laws[law].known.terms().len() == 0 => Rate::Law(law),
-            _ => return None,
-        };
-        Some(((power, rest), rate))
-    };
-    product.factors().map(factor).collect()
+        Some(Product {
+            term: product.clone(),
+            factors: product.factors().map(factor).collect::<Option<_>>()?,
+        })
+    }
 }
 
 /// A term without its hidden factor: `Some(None)` where it has none, `None` where it is not linear in it.

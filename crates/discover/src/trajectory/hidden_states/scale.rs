@@ -6,7 +6,8 @@
 //! others are those given it.
 
 use super::hidden_laws::hidden_laws;
-use crate::trajectory::likelihood::{fit, set_variances};
+use super::thresholds::HIDDEN;
+use crate::trajectory::likelihood::fit;
 use crate::trajectory::model::{CoefficientConstraints, LinearizationPoint, Problem};
 use crate::trajectory::search::{Found, last_criterion};
 use sidc_lang::term::{Atom, Expr, Signal, Term, VarId};
@@ -69,17 +70,13 @@ pub(crate) fn with_told_scales(
     }
     scaled.pins.clear();
     let criterion = last_criterion(problem, found.inefficiency);
-    // Searches of hidden states begin anywhere. How far a hidden state may slip follows from its course, so it is taken from the last one.
-    let near = fit(&scaled, point, &criterion, f64::INFINITY, observer)?;
-    let mut scaled = scaled.with_hidden_of(&near, &[], None);
-    let near = fit(&scaled, near.point, &criterion, f64::INFINITY, observer)?;
-    scaled = scaled.with_hidden_of(&near, &[], None);
-    let best = fit(&scaled, near.point, &criterion, f64::INFINITY, observer)?;
-    let mut found = Found {
-        best,
-        ..found.clone()
-    };
-    set_variances(&scaled, &mut found.best, observer);
+    // How far a hidden state may slip follows from the course that a fit begins with, and searches begin anywhere.
+    for _ in 0..HIDDEN.courses_renewed {
+        let near = fit(&scaled, point, &criterion, f64::INFINITY, observer)?;
+        scaled = scaled.with_hidden_of(&near, &[], None);
+        point = near.point;
+    }
+    let found = found.refitted(&scaled, point, observer)?;
     Some((scaled, found, told))
 }
 

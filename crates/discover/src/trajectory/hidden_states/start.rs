@@ -10,9 +10,9 @@ use super::offset::{Offset, sparsest_offsets};
 use super::scale::is_free;
 use super::solved_course::solved_courses;
 use super::thresholds::HIDDEN;
-use crate::trajectory::likelihood::{Fit, fit, set_variances};
+use crate::trajectory::likelihood::{Fit, fit};
 use crate::trajectory::model::{HiddenCourse, LinearizationPoint, Problem};
-use crate::trajectory::search::{Found, final_criterion, last_criterion};
+use crate::trajectory::search::{Found, final_criterion};
 use sidc_lang::term::Signal;
 use sidc_progress::Observer;
 
@@ -28,12 +28,9 @@ pub(crate) fn with_started_states(
     let Some((mut fit, mut started)) = best_start(&problem, &free, most, observer) else {
         return problem;
     };
-    let beat = |fit: &Fit| {
-        if fit.converged {
-            fit.value
-        } else {
-            f64::INFINITY
-        }
+    let beat = |fit: &Fit| match fit.converged {
+        true => fit.value,
+        false => f64::INFINITY,
     };
     while let Some(sparser) = with_fewer_terms((&started, &free), &fit, beat(&fit), observer) {
         (fit, started) = sparser;
@@ -56,13 +53,7 @@ pub(crate) fn with_sparsest_offset(
         false => f64::INFINITY,
     };
     let (near, shifted) = with_fewer_terms((problem, &free), &found.best, beat, observer)?;
-    let criterion = last_criterion(problem, found.inefficiency);
-    let best = fit(&shifted, near.point, &criterion, f64::INFINITY, observer)?;
-    let mut better = Found {
-        best,
-        ..found.clone()
-    };
-    set_variances(&shifted, &mut better.best, observer);
+    let better = found.refitted(&shifted, near.point, observer)?;
     let accepted = better.best.converged && better.best.value < found.best.value;
     accepted.then_some((shifted, better))
 }

@@ -43,14 +43,16 @@ family! {
         looseness: [f64; 2] = [1000.0, 30.0], unit "slack of the laws", source "at 1000 a law may miss a sample by three times its noise";
         /// Newton steps to where hidden states rest.
         newton_steps: usize = 20, unit "steps", source "set by hand";
+        /// Times that the courses of hidden states are taken anew before the last fit.
+        courses_renewed: usize = 2, unit "times", source "in the browser lorenz_hidden begins elsewhere: at 0 its coefficients differ by 5e-4 of their errors, at 2 by less than 1e-4";
         /// Size of a coefficient that an offset of a hidden state takes away.
-        cancelled: f64 = 0.05, unit "of the parts that it is the sum of", source "fits of starts are right to a hundredth; what remains is fitted and priced";
+        cancelled: f64 = 0.05, unit "of the parts that it is the sum of", source "set by hand: what is left out wrongly, the fit and its criterion refuse";
         /// Offsets tried one after another.
         offsets: usize = 3, unit "offsets", source "Rössler's third state has a form of nine terms that three offsets make one of seven";
         /// Laws that a further offset is tried on.
-        offset_beam: usize = 20, unit "laws", source "set by hand: a tenth of a second for 20 terms";
+        offset_beam: usize = 20, unit "laws", source "set by hand";
         /// Most products of measured states that a hidden one is shifted by.
-        offset_products: usize = 12, unit "products", source "all of degree 2 of four states, but two";
+        offset_products: usize = 12, unit "products", source "more than the ten of degree 2 of three states";
         /// Their largest degree.
         offset_degree: f64 = 2.0, unit "", source "the rate of a product of higher degree is in few libraries";
         /// Most candidate columns of the measured part.

@@ -5,7 +5,9 @@
 
 use super::level::SearchLevel;
 use super::search_observer::{FitBudget, SearchObserver};
-use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, set_variances, undisturbed_value};
+use crate::trajectory::likelihood::{
+    Fit, PenalizedLikelihood, fit, set_variances, undisturbed_value,
+};
 use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::residuals::statistical_inefficiency;
 use crate::trajectory::thresholds::SEARCH;
@@ -143,6 +145,22 @@ fn search_with_inefficiency(problem: &Problem, observer: &mut dyn SearchObserver
 }
 
 impl Found {
+    /// The answer of the same criterion fitted from a point, with its variances.
+    pub(crate) fn refitted(
+        &self,
+        problem: &Problem,
+        point: LinearizationPoint,
+        observer: &mut dyn Observer,
+    ) -> Option<Found> {
+        let criterion = last_criterion(problem, self.inefficiency);
+        let mut best = fit(problem, point, &criterion, f64::INFINITY, observer)?;
+        set_variances(problem, &mut best, observer);
+        Some(Found {
+            best,
+            ..self.clone()
+        })
+    }
+
     /// −2 log likelihood of the best fit, without the price of its terms.
     pub fn misfit(&self, problem: &Problem) -> f64 {
         let criterion = last_criterion(problem, self.inefficiency);

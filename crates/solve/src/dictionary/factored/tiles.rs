@@ -98,8 +98,7 @@ impl Factored {
     }
 
     /// `Rᵀ prepare(L)` for a task, in tiles that are `wanted`: `visit` gets a left column, some right columns and their products, until it
-    /// returns false. `right`: as [`Factored::scaled_right`]; `prepare` writes a left column
-    /// in this precision.
+    /// returns false. `right`: as [`Factored::scaled_right`]; `prepare` writes a left column in this precision.
     pub(super) fn products<T: Scaled>(
         &self,
         task: &Task,
