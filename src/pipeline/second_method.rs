@@ -1,17 +1,22 @@
-//! A second method for equations that regression of measured rates leaves in doubt: joint estimation of all equations and their trajectory, as if the rates
-//! had not been measured.
+//! A second method where regression errs: joint estimation of all equations and their trajectory. It errs where measured rates are bad, which the joint estimate
+//! does without, and where laws jump, since estimated derivatives are blurred there.
 //!
 //! In: a program, its measured signals, the equations of the first method. Out: the equations of the method that passes, with a record of both. A method that
-//! the user chose is the only one tried. Equations of clean records are not estimated again: there regression sees smaller errors.
+//! the user chose is the only one tried. Other equations of clean records are not estimated again: there regression sees smaller errors.
+
+use std::borrow::Cow;
 
 use sidc_data::Dataset;
 use sidc_discover as discover;
 use sidc_discover::Method;
 use sidc_discover::identifiability::leaves_motion;
 use sidc_discover::trajectory::Problem;
+use sidc_lang::library::Library;
+use sidc_lang::model::VarKind;
 use sidc_lang::term::Signal;
 use sidc_progress::Observer;
 use sidc_system::discovery::{Discovery, MethodComparison, ReasonCode};
+use sidc_system::switching::Switches;
 
 use super::joint::jointly;
 use super::measure::Measured;
@@ -26,20 +31,18 @@ pub(super) fn passing_method(
     mut first: Discovery,
     observer: &mut dyn Observer,
 ) -> Discovery {
-    if first.passes() || !options.search.chooses_way() || !doubts_concern_data(&first) {
+    if !options.search.chooses_way() || !doubts_concern_data(&first) {
         return first;
     }
-    if library_is_insufficient(program, measured, &first) {
-        return first;
-    }
-    let Some(dataset) = without_targets(program, &measured.dataset) else {
+    let Some(second) = Second::of(program, measured, &first) else {
         return first;
     };
-    let Some(problem) = problem(program, &dataset, options, observer) else {
+    let (dataset, jumps) = (second.dataset.as_ref(), second.jumps);
+    let Some(problem) = problem(program, &second, options, observer) else {
         return first;
     };
     // If the readings alone contradict the constraints, the first answer is kept.
-    let Ok((mut second, _)) = jointly(program, &dataset, &problem, options, observer) else {
+    let Ok((mut second, _)) = jointly(program, dataset, &problem, options, observer) else {
         return first;
     };
     let holds = second.passes();
@@ -51,10 +54,59 @@ pub(super) fn passing_method(
         second: joint.clone(),
         second_doubts: second.doubt_codes(),
         given: if holds { joint } else { regression },
+        jumps,
     };
     let given = if holds { &mut second } else { &mut first };
     given.record_ways(&ways);
     if holds { second } else { first }
+}
+
+/// What is estimated jointly.
+struct Second<'a> {
+    dataset: Cow<'a, Dataset>,
+    /// Whether it is tried because laws may jump.
+    jumps: bool,
+}
+
+impl<'a> Second<'a> {
+    /// The data of a second estimate; `None` where there is no reason for one.
+    fn of(program: &Program, measured: &'a Measured, first: &Discovery) -> Option<Second<'a>> {
+        let equations = program.model.equations.iter();
+        let targets: Vec<Signal> = equations.map(|e| e.target).collect();
+        if !targets.iter().any(|s| measured.dataset.has(*s)) {
+            return may_jump(program, first).then_some(Second {
+                dataset: Cow::Borrowed(&measured.dataset),
+                jumps: true,
+            });
+        }
+        let is_open = !first.passes() && !library_is_insufficient(program, measured, first);
+        is_open.then(|| Second {
+            dataset: Cow::Owned(measured.dataset.without(&targets)),
+            jumps: false,
+        })
+    }
+}
+
+/// Whether equations that are found jump, or those that are doubted might.
+fn may_jump(program: &Program, first: &Discovery) -> bool {
+    let is_state = |signal: Signal| {
+        let variable = program.model.var(signal.var);
+        variable.is_some_and(|v| v.kind == VarKind::State)
+    };
+    if first.passes() {
+        let found = first.equations.iter().flat_map(|e| &e.terms);
+        return found
+            .map(|t| &t.term)
+            .any(|t| Switches::jumps_in(t, &is_state));
+    }
+    let offered = program
+        .libraries
+        .iter()
+        .flatten()
+        .flat_map(Library::factors);
+    offered
+        .into_iter()
+        .any(|t| Switches::jumps_in(t, &is_state))
 }
 
 /// Whether the doubts are about what the data show, not about limits, stops or a solver, chosen by the user, that proves nothing.
@@ -88,22 +140,24 @@ fn library_is_insufficient(program: &Program, measured: &Measured, first: &Disco
         })
 }
 
-/// The data as if no target had been measured; `None` if none was.
-fn without_targets(program: &Program, dataset: &Dataset) -> Option<Dataset> {
-    let equations = program.model.equations.iter();
-    let targets: Vec<Signal> = equations.map(|e| e.target).collect();
-    let measured = targets.iter().any(|s| dataset.has(*s));
-    measured.then(|| dataset.without(&targets))
-}
-
 /// The joint problem of all equations; `None` if the program would not estimate such data jointly, or if a candidate only restates its target.
 fn problem(
     program: &Program,
-    dataset: &Dataset,
+    second: &Second,
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Option<Problem> {
-    let (model, libraries, search) = (&program.model, &program.libraries, &options.search);
-    let problem = discover::joint(model, libraries, dataset, search, observer).ok()?;
+    let (model, libraries) = (&program.model, &program.libraries);
+    // Clean records are estimated jointly only on request.
+    let method = if second.jumps {
+        Method::Joint
+    } else {
+        options.search.method
+    };
+    let search = discover::Options {
+        method,
+        ..options.search
+    };
+    let problem = discover::joint(model, libraries, &second.dataset, &search, observer).ok()?;
     problem.target_copies().is_empty().then_some(problem)
 }

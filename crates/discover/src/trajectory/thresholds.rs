@@ -48,6 +48,8 @@ family! {
         max_steps: usize = 64, unit "steps", source "set by hand";
         /// Error of a Runge-Kutta step over the fifth power of its length in time constants.
         step_error: f64 = 1.0 / 120.0, unit "", source "the first term of exp that order four leaves out: 1/5!";
+        /// A guard of a switch that counts as zero at the start of an interval.
+        on_guard: f64 = 1e-10, unit "spread of its states", source "set by hand: far above rounding, far below what a reading shows";
         /// Newton steps for laws that contain rates.
         newton_steps: usize = 8, unit "steps", source "set by hand";
         /// Relative change of a rate at which Newton's method ends.

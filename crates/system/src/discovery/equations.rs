@@ -180,7 +180,7 @@ pub struct Evidence {
     pub witness: Option<Arc<Witness>>,
 }
 
-/// A second way, tried because the first ended in doubt.
+/// A second way, tried because the first ended in doubt or blurs the jumps of a law.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MethodComparison {
     /// The way of `--method` that was tried first, and the doubts of all its equations.
@@ -192,6 +192,9 @@ pub struct MethodComparison {
     pub second_doubts: Vec<ReasonCode>,
     /// The way that gave these equations.
     pub given: String,
+    /// Whether the second was tried because laws may jump, and not because measured rates may be bad.
+    #[serde(skip_serializing_if = "std::ops::Not::not", default)]
+    pub jumps: bool,
 }
 
 /// Two laws of one target, of which one follows from other equations of the system.

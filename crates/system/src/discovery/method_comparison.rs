@@ -36,6 +36,7 @@ impl Discovery {
             codes.join(", "),
             ways.second
         );
-        (ways.given == ways.second).then(|| Notice::new("other-way", text))
+        // Where laws jump, the joint estimate is the usual way.
+        (ways.given == ways.second && !ways.jumps).then(|| Notice::new("other-way", text))
     }
 }

@@ -40,6 +40,24 @@ impl Switches {
         })
     }
 
+    /// Whether a term jumps where one of these signals passes a value.
+    pub fn jumps_in(term: &Term, signals: &dyn Fn(Signal) -> bool) -> bool {
+        let within = |e: &Expr| e.terms().any(|(_, t)| Switches::jumps_in(t, signals));
+        let depends = |e: &Expr| {
+            let mut found = false;
+            e.for_each_signal(&mut |s| found |= signals(s));
+            found
+        };
+        term.factors().any(|(atom, _)| match atom {
+            Atom::Signal(_) => false,
+            Atom::Call(f, args) => {
+                let jumps = matches!(f.name, "sign" | "step");
+                jumps && args.iter().any(depends) || args.iter().any(within)
+            }
+            Atom::Sum(inner) => within(inner),
+        })
+    }
+
     pub fn len(&self) -> usize {
         self.guards.len()
     }

@@ -3,9 +3,11 @@
 //! In: a system, its active columns, points. Out: rates and derivatives. Every quantity is a row over all points (structure of arrays).
 //! Laws whose terms contain rates are implicit; they are solved for the rates by Newton's method at each point.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use super::batched_inverse::invert;
+use super::law_switches::LawSwitches;
 use crate::trajectory::model::System;
 use crate::trajectory::thresholds::SHOOTING;
 use sidc_lang::term::{Expr, Signal, Tape};
@@ -25,8 +27,10 @@ struct PartialDerivative {
 pub(crate) struct CompiledLaws {
     pub states: usize,
     pub laws: usize,
-    /// Rows of inputs: states, targets, exogenous.
+    /// Rows of inputs: states, targets, exogenous signals, sides of the switches.
     pub inputs: usize,
+    /// Where active laws jump; `None` if they do not.
+    pub switches: Option<LawSwitches>,
     /// The active columns, rising.
     pub active: Vec<usize>,
     /// For each law its columns, as places in `active`.
@@ -82,7 +86,7 @@ pub(crate) struct Diverged;
 
 impl CompiledLaws {
     pub fn new(system: &System, active: &[usize]) -> CompiledLaws {
-        let inputs = system.evaluation_signals();
+        let mut inputs = system.evaluation_signals();
         let (n, m) = (system.states.len(), system.laws.len());
         let mut values: Vec<Expr> = Vec::new();
         let mut laws = Vec::new();
@@ -95,6 +99,12 @@ impl CompiledLaws {
         for (l, law) in system.laws.iter().enumerate() {
             values.push(law.known.clone());
             laws.push(l);
+        }
+        let mut switches = None;
+        if let Some((smooth, found)) = LawSwitches::of(&values, &inputs, (n, m)) {
+            values = smooth;
+            inputs.extend(found.signals());
+            switches = Some(found);
         }
         let mut entries = Vec::new();
         let mut slopes = values.clone();
@@ -139,6 +149,7 @@ impl CompiledLaws {
             states: n,
             laws: m,
             inputs: inputs.len(),
+            switches,
             active: active.to_vec(),
             ranges: (0..m).map(of).collect(),
             has_hidden: !system.hidden.is_empty(),
@@ -150,6 +161,20 @@ impl CompiledLaws {
             entries,
             implicit,
         }
+    }
+
+    /// All candidate columns for these laws: as compiled for laws without switches, or with σ of theirs as further signals.
+    pub fn columns<'a>(&self, system: &System, all: &'a Tape) -> Cow<'a, Tape> {
+        let Some(switches) = &self.switches else {
+            return Cow::Borrowed(all);
+        };
+        let mut inputs = system.evaluation_signals();
+        let rates = inputs[self.states..self.states + self.laws].to_vec();
+        let columns = system.columns.iter();
+        let columns = columns.map(|t| switches.rewritten(t.clone().into(), &rates));
+        let columns: Vec<Expr> = columns.collect();
+        inputs.extend(switches.signals());
+        Cow::Owned(tape(&columns, &inputs))
     }
 
     /// Writes the rates into their rows of `points`, which has `inputs` rows of `count` points.
@@ -354,7 +379,7 @@ fn newton(rates: &mut [f64], inverse: &[f64], gap: &[f64], m: usize, count: usiz
 }
 
 /// Every signal of the expressions is among the inputs by construction, so the default is never taken.
-fn tape(outputs: &[Expr], inputs: &[Signal]) -> Tape {
+pub(super) fn tape(outputs: &[Expr], inputs: &[Signal]) -> Tape {
     Tape::new(outputs, inputs).unwrap_or_default()
 }
 

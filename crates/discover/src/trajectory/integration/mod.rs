@@ -5,8 +5,11 @@
 
 mod batched_inverse;
 mod compiled_laws;
+mod events;
+mod law_switches;
 mod parameter_sensitivity;
 mod shooting;
+mod sliding;
 mod state_transition;
 mod step_group;
 

@@ -55,23 +55,25 @@ impl IntervalBlock {
 /// Buffers that blocks share. Of every three, the first belongs to the start of a step, the second to its middle, the third to its end.
 #[derive(Default)]
 pub(crate) struct Workspace {
-    scratch: Scratch,
-    points: [Vec<f64>; 3],
-    local: [LocalLinearization; 3],
+    pub(super) scratch: Scratch,
+    pub(super) points: [Vec<f64>; 3],
+    pub(super) local: [LocalLinearization; 3],
     /// Values of all columns.
-    values: [Vec<f64>; 3],
+    pub(super) values: [Vec<f64>; 3],
     jacobians: [Vec<f64>; 3],
     /// What a unit of each law's right side there adds to the end state: n × laws × intervals.
     gains: [Vec<f64>; 3],
     stage: Vec<f64>,
     rates: [Vec<f64>; 4],
-    tape: Vec<f64>,
+    pub(super) tape: Vec<f64>,
     /// Rates at the start of the previous block, laws × INTERVALS_AT_ONCE: first guesses for implicit laws.
     guess: Vec<f64>,
-    transition: StateTransition,
+    pub(super) transition: StateTransition,
     /// T from the start of the intervals to the present step.
-    reached: Vec<f64>,
-    moved: Vec<f64>,
+    pub(super) reached: Vec<f64>,
+    pub(super) moved: Vec<f64>,
+    /// Slots of intervals in which a switch changes its side.
+    pub(super) eventful: Vec<usize>,
 }
 
 impl Workspace {
@@ -114,10 +116,12 @@ impl ShootingIntegrator<'_> {
         self.begin(&all, states, work)?;
         let steps = self.steps(&work.local[0], &all.h)?;
         out.steps = steps.iter().copied().max().unwrap_or(1);
-        if out.steps == 1 {
-            return self.run(&all, work, out);
-        }
+        work.eventful.clear();
         let mut number = 1;
+        if out.steps == 1 {
+            self.run(&all, work, out)?;
+            number = 2;
+        }
         while number <= out.steps {
             let slots: Vec<usize> = (0..count).filter(|b| steps[*b] == number).collect();
             if !slots.is_empty() {
@@ -126,6 +130,10 @@ impl ShootingIntegrator<'_> {
                 self.run(&group, work, out)?;
             }
             number *= 2;
+        }
+        for slot in std::mem::take(&mut work.eventful) {
+            let interval = (intervals.start + slot, slot);
+            self.across_events((record, interval), states, work, out)?;
         }
         Ok(())
     }
@@ -141,11 +149,10 @@ impl ShootingIntegrator<'_> {
         work.reached.resize(n * n * count, 0.0);
         unit(&mut work.reached, n, count);
         for s in 0..group.steps {
-            self.step(group, s, work)?;
-            self.accumulate(group, s, work, out);
-            work.points.swap(0, 2);
-            work.local.swap(0, 2);
-            work.values.swap(0, 2);
+            self.advance(group, s, work)?;
+            self.linearise_step(group, s, work)?;
+            self.note_events(group, work);
+            self.accumulate(group, s > 0, work, out);
         }
         let ends = &work.points[0][..n * count];
         scatter(ends, &group.slots, &mut out.end);
@@ -154,7 +161,7 @@ impl ShootingIntegrator<'_> {
     }
 
     /// Sets states and rates at the start of the intervals.
-    fn begin(
+    pub(super) fn begin(
         &self,
         group: &StepGroup,
         states: &[f64],
@@ -174,6 +181,9 @@ impl ShootingIntegrator<'_> {
                 .for_each(|l| here[(n + l) * count + b] = work.guess[l * INTERVALS_AT_ONCE + slot]);
         }
         self.set_exogenous(group, 0.0, here);
+        if let Some(switches) = &self.laws.switches {
+            switches.set_sides(here, count);
+        }
         let (scratch, local) = (&mut work.scratch, &mut work.local[0]);
         self.laws
             .evaluate(self.coefficients, here, count, scratch, local)?;
@@ -188,10 +198,10 @@ impl ShootingIntegrator<'_> {
     }
 
     /// Sets the exogenous signals at a position in each interval.
-    fn set_exogenous(&self, group: &StepGroup, part: f64, points: &mut [f64]) {
+    pub(super) fn set_exogenous(&self, group: &StepGroup, part: f64, points: &mut [f64]) {
         let first = self.laws.states + self.laws.laws;
         let rows = points.chunks_exact_mut(group.count()).skip(first);
-        for (x, row) in rows.enumerate() {
+        for (x, row) in rows.enumerate().take(group.record.exogenous.len()) {
             for (out, k) in row.iter_mut().zip(&group.intervals) {
                 *out = group.record.exogenous_at(x, *k, part);
             }
@@ -202,7 +212,11 @@ impl ShootingIntegrator<'_> {
     ///
     /// # Errors
     /// Laws of hidden states are too fast to be followed: with nothing to hold these, errors of the steps would explain any reading.
-    fn steps(&self, local: &LocalLinearization, h: &[f64]) -> Result<Vec<usize>, Diverged> {
+    pub(super) fn steps(
+        &self,
+        local: &LocalLinearization,
+        h: &[f64],
+    ) -> Result<Vec<usize>, Diverged> {
         let (n, count) = (self.laws.states, h.len());
         let largest = (self.accuracy / SHOOTING.step_error).powf(0.2);
         let steps = |(b, h): (usize, &f64)| {
@@ -222,10 +236,15 @@ impl ShootingIntegrator<'_> {
         h.iter().enumerate().map(steps).collect()
     }
 
-    /// One Runge–Kutta step from a point where the rates are known, then the laws linearised in its middle and at its end.
-    fn step(&self, group: &StepGroup, s: usize, work: &mut Workspace) -> Result<(), Diverged> {
+    /// One Runge–Kutta step from a point where the rates are known.
+    pub(super) fn advance(
+        &self,
+        group: &StepGroup,
+        s: usize,
+        work: &mut Workspace,
+    ) -> Result<(), Diverged> {
         let (n, count) = (self.laws.states, group.count());
-        let [here, middle, next] = &mut work.points;
+        let [here, _, next] = &mut work.points;
         let (stage, rates) = (&mut work.stage, &mut work.rates);
         self.laws.flow(here, count, &mut rates[0]);
         stage.clear();
@@ -239,6 +258,7 @@ impl ShootingIntegrator<'_> {
                 }
             }
             self.set_exogenous(group, group.part(s, reach), stage);
+            self.hold(group, group.part(s, reach), stage, &mut work.scratch)?;
             self.laws
                 .rates(self.coefficients, stage, count, &mut work.scratch)?;
             self.laws.flow(stage, count, &mut rates[r + 1]);
@@ -256,9 +276,20 @@ impl ShootingIntegrator<'_> {
         if !next[..n * count].iter().all(|x| x.is_finite()) {
             return Err(Diverged);
         }
-        let laws = self.laws;
-        let (scratch, local) = (&mut work.scratch, &mut work.local);
-        laws.evaluate(self.coefficients, next, count, scratch, &mut local[2])?;
+        Ok(())
+    }
+
+    /// The laws linearised in the middle and at the end of a step.
+    pub(super) fn linearise_step(
+        &self,
+        group: &StepGroup,
+        s: usize,
+        work: &mut Workspace,
+    ) -> Result<(), Diverged> {
+        let (n, count, laws) = (self.laws.states, group.count(), self.laws);
+        let [here, middle, next] = &mut work.points;
+        let (scratch, local, rates) = (&mut work.scratch, &mut work.local, &mut work.rates);
+        self.linearise_at(group, group.part(s, 1.0), next, (scratch, &mut local[2]))?;
         // The middle state by cubic Hermite interpolation.
         laws.flow(next, count, &mut rates[1]);
         middle.copy_from_slice(next);
@@ -271,7 +302,7 @@ impl ShootingIntegrator<'_> {
             }
         }
         self.set_exogenous(group, group.part(s, 0.5), middle);
-        laws.evaluate(self.coefficients, middle, count, scratch, &mut local[1])?;
+        self.linearise_at(group, group.part(s, 0.5), middle, (scratch, &mut local[1]))?;
         if let Some((tape, _)) = self.all {
             values(tape, middle, count, &mut work.values[1], &mut work.tape);
             values(tape, next, count, &mut work.values[2], &mut work.tape);
@@ -279,11 +310,11 @@ impl ShootingIntegrator<'_> {
         Ok(())
     }
 
-    /// Composes T and U of one step with those of the steps before it.
-    fn accumulate(
+    /// Composes T and U of one step with those of the steps before it, `onto` which U is added, and moves on to its end.
+    pub(super) fn accumulate(
         &self,
         group: &StepGroup,
-        s: usize,
+        onto: bool,
         work: &mut Workspace,
         out: &mut IntervalBlock,
     ) {
@@ -293,7 +324,7 @@ impl ShootingIntegrator<'_> {
         }
         let jacobians = work.jacobians.each_ref().map(Vec::as_slice);
         work.transition.step(jacobians, &group.h, n);
-        if s > 0 {
+        if onto {
             propagate(
                 &work.transition.whole,
                 &group.slots,
@@ -333,7 +364,10 @@ impl ShootingIntegrator<'_> {
             n,
             p: self.width(),
         };
-        columns.add(ranges, s > 0, &mut out.columns);
+        columns.add(ranges, onto, &mut out.columns);
+        work.points.swap(0, 2);
+        work.local.swap(0, 2);
+        work.values.swap(0, 2);
     }
 
     /// The Jacobian ∂z'/∂z, n × n × intervals.
@@ -389,7 +423,13 @@ impl ShootingIntegrator<'_> {
 }
 
 /// Evaluates all columns at some points.
-fn values(tape: &Tape, points: &[f64], count: usize, out: &mut Vec<f64>, work: &mut Vec<f64>) {
+pub(super) fn values(
+    tape: &Tape,
+    points: &[f64],
+    count: usize,
+    out: &mut Vec<f64>,
+    work: &mut Vec<f64>,
+) {
     out.resize(tape.outputs() * count, 0.0);
     tape.eval(points, count, out, work);
 }

@@ -75,7 +75,8 @@ impl Problem {
         observer: &mut dyn Observer,
     ) -> Result<(), Diverged> {
         let code = CompiledLaws::new(&self.system, &at.support);
-        let all = Some((&self.all, &self.ranges[..]));
+        let columns = code.columns(&self.system, &self.all);
+        let all = Some((&*columns, &self.ranges[..]));
         if at.process.is_some() {
             self.filter_parts((&code, all), at, parts, (sink, &mut |_| {}), observer)?;
             return Ok(());

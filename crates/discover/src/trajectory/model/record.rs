@@ -136,6 +136,16 @@ impl Record {
         curved.unwrap_or(here + part * (next - here))
     }
 
+    /// Its slope there, a second.
+    pub fn exogenous_rate_at(&self, signal: usize, k: usize, part: f64) -> f64 {
+        if self.exogenous.get(signal).is_none_or(|o| o.held) {
+            return 0.0;
+        }
+        // Exact for a straight line; what differences leave of a cubic is far below its error.
+        let [before, after] = [part - 1e-3, part + 1e-3].map(|at| self.exogenous_at(signal, k, at));
+        (after - before) / (2e-3 * (self.time[k + 1] - self.time[k]))
+    }
+
     /// Lagrange's cubic through the two samples on either side; `None` at the ends.
     fn cubic_at(&self, values: &[f64], k: usize, part: f64) -> Option<f64> {
         let from = k.checked_sub(1)?;

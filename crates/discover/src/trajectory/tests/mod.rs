@@ -1,5 +1,6 @@
 //! Filter, forms, beam and integration against plain versions of themselves: dense least squares, finite differences, series, brute force.
 
+mod events;
 mod windows;
 
 use super::integration::{

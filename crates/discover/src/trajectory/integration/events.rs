@@ -1,0 +1,287 @@
+//! Intervals in which a switch changes its side: integrated piece by piece, from event to event.
+//!
+//! In: one interval. Out: its end state, T and U, in place of those with all switches kept as they were. At an event the states go on
+//! without a jump, their derivatives are multiplied by the saltation matrix 1 + (f₊ − f₋) ∇gᵀ/ġ₋, because the instant of the event moves
+//! with the state (Aizerman and Gantmacher 1958; Leine and Nijmeijer 2004, ch. 7). Where a contact is let go, f₊ = f₋.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::compiled_laws::Diverged;
+use super::law_switches::LawSwitches;
+use super::parameter_sensitivity::{propagate, scatter};
+use super::shooting::{IntervalBlock, ShootingIntegrator, Workspace, values};
+use super::state_transition::unit;
+use super::step_group::StepGroup;
+use crate::trajectory::model::Record;
+use sidc_system::switching::thresholds::SWITCHING;
+use sidc_system::switching::{Located, Mode, Modes, SlidingRates, least_norm, locate};
+
+/// One interval on its way from event to event.
+struct Passage<'a> {
+    integrator: &'a ShootingIntegrator<'a>,
+    switches: &'a LawSwitches,
+    group: StepGroup<'a>,
+    modes: Modes,
+    sides: Vec<f64>,
+    /// How far it has come, 0 to 1.
+    part: f64,
+    /// Events that are still allowed.
+    events_left: usize,
+}
+
+impl ShootingIntegrator<'_> {
+    /// Notes the intervals of a step in whose middle or at whose end a guard is not on the side on which it was at their start.
+    pub(super) fn note_events(&self, group: &StepGroup, work: &mut Workspace) {
+        let Some(switches) = &self.laws.switches else {
+            return;
+        };
+        let (count, mut guards) = (group.count(), Vec::new());
+        for points in &work.points[1..] {
+            switches.guards(points, count, &mut guards, &mut work.tape);
+            let sides = &points[switches.first * count..];
+            for (b, slot) in group.slots.iter().enumerate() {
+                let changes = |k| switches.changes(k, sides[k * count + b], guards[k * count + b]);
+                if (0..switches.len()).any(changes) && !work.eventful.contains(slot) {
+                    work.eventful.push(*slot);
+                }
+            }
+        }
+    }
+
+    /// Integrates a single interval, and writes what it gives at its slot.
+    ///
+    /// # Errors
+    /// The laws diverge, or events accumulate.
+    pub(super) fn across_events(
+        &self,
+        (record, (interval, slot)): (&Record, (usize, usize)),
+        states: &[f64],
+        work: &mut Workspace,
+        out: &mut IntervalBlock,
+    ) -> Result<(), Diverged> {
+        let Some(switches) = &self.laws.switches else {
+            return Ok(());
+        };
+        let mut passage = Passage {
+            integrator: self,
+            switches,
+            group: StepGroup::of_one(record, (interval, slot)),
+            modes: Modes(vec![Mode::Level; switches.len()]),
+            sides: vec![0.0; switches.len()],
+            part: 0.0,
+            events_left: SWITCHING.at_once,
+        };
+        let (n, p) = (self.laws.states, self.width());
+        out.columns[slot * n * p..(slot + 1) * n * p].fill(0.0);
+        self.begin(&passage.group, states, work)?;
+        passage.settle_at_start(work)?;
+        while passage.part < 1.0 {
+            passage.step(work, out)?;
+        }
+        scatter(&work.points[0][..n], &[slot], &mut out.end);
+        scatter(&work.reached, &[slot], &mut out.transition);
+        Ok(())
+    }
+}
+
+impl Passage<'_> {
+    /// Modes at the start. Where a switch slides from there on, the state is moved onto its guard.
+    fn settle_at_start(&mut self, work: &mut Workspace) -> Result<(), Diverged> {
+        let n = self.integrator.laws.states;
+        let mut guards = Vec::new();
+        let point = &mut work.points[0];
+        self.switches.guards(point, 1, &mut guards, &mut work.tape);
+        let gradients = self.switches.gradients(point, &mut work.tape);
+        let spread = self.integrator.spread;
+        let on = |k: &usize| gradients.is_on(*k, guards[*k], spread);
+        let contacts: Vec<usize> = (0..guards.len()).filter(on).collect();
+        self.modes = Modes(guards.iter().map(|g| Mode::of(*g)).collect());
+        self.sides = self.modes.0.iter().map(|m| m.side()).collect();
+        work.reached.resize(n * n, 0.0);
+        unit(&mut work.reached, n, 1);
+        self.decide(contacts, work)?;
+        if self.modes.any_slides() {
+            let sliding: Vec<usize> = self.modes.sliding().collect();
+            let (point, scratch) = (&mut work.points[0], &mut work.scratch);
+            let laws = (self.integrator).at_point(&self.group, 0.0, point, scratch);
+            let mut laws = laws.ok_or(Diverged)?;
+            let onto = laws.projection(&sliding)?;
+            let values = DVector::from_iterator(sliding.len(), sliding.iter().map(|k| guards[*k]));
+            let rows = DMatrix::from_fn(sliding.len(), n, |i, j| gradients.of(sliding[i], n)[j]);
+            // Any step that brings the guards to zero, made one along the jumps by the projection.
+            if let Some(step) = least_norm(
+                &rows * rows.transpose(),
+                &DMatrix::from_column_slice(values.len(), 1, values.as_slice()),
+            ) {
+                let off = rows.transpose() * step;
+                let along = &off - &onto * &off;
+                for (x, d) in laws.point[..n].iter_mut().zip(along.iter()) {
+                    *x -= d;
+                }
+            }
+            work.reached.clear();
+            work.reached.extend(onto.transpose().iter());
+        }
+        self.begin_piece(work)
+    }
+
+    /// Decides contacts at the present point.
+    fn decide(&mut self, contacts: Vec<usize>, work: &mut Workspace) -> Result<(), Diverged> {
+        if contacts.is_empty() {
+            return Ok(());
+        }
+        let (point, scratch) = (&mut work.points[0], &mut work.scratch);
+        let laws = (self.integrator).at_point(&self.group, self.group.part(0, 0.0), point, scratch);
+        let mut laws = laws.ok_or(Diverged)?;
+        let rates = SlidingRates::measure(&mut laws, contacts, &mut self.sides)?;
+        rates.decide(&mut self.modes, &mut self.sides);
+        laws.set_sides(&self.sides);
+        Ok(())
+    }
+
+    /// Rates and derivatives at the present point, with the present sides.
+    fn begin_piece(&mut self, work: &mut Workspace) -> Result<(), Diverged> {
+        self.group.sliding = self.modes.sliding().collect();
+        self.group.set_within(self.part, self.part);
+        let point = &mut work.points[0];
+        point[self.switches.first..].copy_from_slice(&self.sides);
+        let local = (&mut work.scratch, &mut work.local[0]);
+        self.integrator
+            .linearise_at(&self.group, self.part, point, local)?;
+        if let Some((tape, _)) = self.integrator.all {
+            values(tape, point, 1, &mut work.values[0], &mut work.tape);
+        }
+        Ok(())
+    }
+
+    /// One step, to the next event at most.
+    fn step(&mut self, work: &mut Workspace, out: &mut IntervalBlock) -> Result<(), Diverged> {
+        let from = self.part;
+        self.group.set_within(from, 1.0);
+        let steps = self.integrator.steps(&work.local[0], &self.group.h)?[0];
+        let to = match steps {
+            1 => 1.0,
+            _ => from + (1.0 - from) / steps as f64,
+        };
+        let least = |margins: &[f64]| margins.iter().copied().fold(f64::INFINITY, f64::min);
+        // A guard may be back at the end of a step.
+        let middle = 0.5 * (from + to);
+        let (mut end, mut margins) = (middle, self.margins_at(middle, work)?);
+        if least(&margins) >= 0.0 {
+            (end, margins) = (to, self.margins_at(to, work)?);
+        }
+        if least(&margins) >= 0.0 {
+            return self.finish_step(end, work, out);
+        }
+        let (whole, last) = (end - from, least(&margins));
+        let found = locate(last, &mut |part| {
+            Ok(least(&self.margins_at(from + part * whole, work)?))
+        })?;
+        match found {
+            Located::At(part) => {
+                let at = from + part * whole;
+                let there = self.margins_at(at, work)?;
+                let crossed = (0..margins.len()).filter(|k| margins[*k] < 0.0);
+                let first = crossed.min_by(|a, b| there[*a].total_cmp(&there[*b]));
+                self.finish_step(at, work, out)?;
+                self.event(first.unwrap_or(0), None, work, out)
+            }
+            Located::Start => {
+                let first = (0..margins.len()).min_by(|a, b| margins[*a].total_cmp(&margins[*b]));
+                let first = first.unwrap_or(0);
+                self.advance_to(end, work)?;
+                let mut guards = Vec::new();
+                let beyond = &work.points[2];
+                self.switches.guards(beyond, 1, &mut guards, &mut work.tape);
+                let beyond = match self.modes.0[first] {
+                    Mode::Sliding => beyond[self.switches.first + first],
+                    _ => guards[first],
+                };
+                self.event(first, Some(beyond), work, out)
+            }
+        }
+    }
+
+    /// The state at a part of the interval, in the third place of the workspace.
+    fn advance_to(&mut self, to: f64, work: &mut Workspace) -> Result<(), Diverged> {
+        self.group.set_within(self.part, to);
+        self.integrator.advance(&self.group, 0, work)?;
+        let next = &mut work.points[2];
+        (self.integrator).hold(&self.group, to, next, &mut work.scratch)
+    }
+
+    /// What stays at or above zero as long as the sides hold, at a part of the interval; the state there is left in the third place.
+    fn margins_at(&mut self, to: f64, work: &mut Workspace) -> Result<Vec<f64>, Diverged> {
+        self.advance_to(to, work)?;
+        let mut guards = Vec::new();
+        let point = &work.points[2];
+        self.switches.guards(point, 1, &mut guards, &mut work.tape);
+        let sides = &point[self.switches.first..];
+        let both = guards.iter().zip(sides).zip(&self.modes.0);
+        Ok(both
+            .map(|((g, side), mode)| mode.margin(*g, *side))
+            .collect())
+    }
+
+    /// Goes on to the end of a step.
+    fn finish_step(
+        &mut self,
+        to: f64,
+        work: &mut Workspace,
+        out: &mut IntervalBlock,
+    ) -> Result<(), Diverged> {
+        self.integrator.linearise_step(&self.group, 0, work)?;
+        self.integrator.accumulate(&self.group, true, work, out);
+        self.part = to;
+        self.sides
+            .copy_from_slice(&work.points[0][self.switches.first..]);
+        Ok(())
+    }
+
+    /// An event of a switch at the present point. `beyond`: its guard, or its σ, a step later, if the event is at the very start of one.
+    fn event(
+        &mut self,
+        switch: usize,
+        beyond: Option<f64>,
+        work: &mut Workspace,
+        out: &mut IntervalBlock,
+    ) -> Result<(), Diverged> {
+        self.events_left = self.events_left.checked_sub(1).ok_or(Diverged)?;
+        let (part, old) = (self.part, self.modes.clone());
+        self.group.set_within(part, part);
+        let (point, scratch) = (&mut work.points[0], &mut work.scratch);
+        let laws = self.integrator.at_point(&self.group, part, point, scratch);
+        let mut laws = laws.ok_or(Diverged)?;
+        let before = laws.flow(&self.sides)?;
+        let rate = laws.rate(switch, &before);
+        let gradient = laws.gradients.of(switch, before.len()).to_vec();
+        let level = (0..old.0.len()).filter(|k| matches!(old.0[*k], Mode::Sliding | Mode::Level));
+        let mut contacts: Vec<usize> = level.chain([switch]).collect();
+        contacts.sort_unstable();
+        contacts.dedup();
+        self.decide(contacts, work)?;
+        if let Some(beyond) = beyond.filter(|_| self.modes == old) {
+            self.modes.0[switch] = Mode::of(beyond);
+            self.sides[switch] = self.modes.0[switch].side();
+        }
+        self.begin_piece(work)?;
+        if old.0[switch] == Mode::Sliding || rate == 0.0 {
+            return Ok(());
+        }
+        let n = before.len();
+        let mut after = vec![0.0; n];
+        self.integrator.laws.flow(&work.points[0], 1, &mut after);
+        let saltation = &mut work.transition.whole;
+        saltation.resize(n * n, 0.0);
+        unit(saltation, n, 1);
+        for i in 0..n {
+            for (j, slope) in gradient.iter().enumerate() {
+                saltation[i * n + j] += (after[i] - before[i]) * slope / rate;
+            }
+        }
+        let (slots, size) = (&self.group.slots, (n, self.integrator.width()));
+        propagate(saltation, slots, size, &mut out.columns, &mut work.moved);
+        work.transition.compose(&mut work.reached, n, 1);
+        Ok(())
+    }
+}

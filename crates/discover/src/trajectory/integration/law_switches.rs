@@ -1,0 +1,140 @@
+//! The switches of laws that jump: their guards, on which side each is, and how fast the guards move.
+//!
+//! In: laws as written. Out: laws that are smooth while every switch keeps its side, guards and their gradients at points. Laws that
+//! bend but never jump stay as they are: integration only loses some digits there.
+
+use super::compiled_laws::tape;
+use crate::trajectory::thresholds::SHOOTING;
+use sidc_lang::term::{Expr, Signal, Tape};
+use sidc_system::switching::Switches;
+
+/// Guards of the active laws, compiled.
+pub(crate) struct LawSwitches {
+    switches: Switches,
+    /// The first row of σ among the rows of points.
+    pub first: usize,
+    /// Guards.
+    guards: Tape,
+    /// Their derivatives by every state, then by every exogenous signal, guard after guard.
+    slopes: Tape,
+    /// Whether a guard depends on the states, and not on exogenous signals alone.
+    follows_states: Vec<bool>,
+    states: usize,
+    exogenous: usize,
+}
+
+/// Guards and their derivatives at one point.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Gradients {
+    /// Guards × states.
+    pub by_state: Vec<f64>,
+    /// Guards × exogenous signals.
+    pub by_exogenous: Vec<f64>,
+}
+
+impl LawSwitches {
+    /// The laws with their switches as further signals, if any of them jumps. `signals`: states, rates, exogenous signals.
+    pub fn of(
+        values: &[Expr],
+        signals: &[Signal],
+        (states, laws): (usize, usize),
+    ) -> Option<(Vec<Expr>, LawSwitches)> {
+        let mut switches = Switches::default();
+        let rates = &signals[states..states + laws];
+        let smooth = values.iter().map(|e| switches.rewritten(e, rates));
+        let smooth: Vec<Expr> = smooth.collect();
+        if !switches.jumps.contains(&true) {
+            return None;
+        }
+        let exogenous = &signals[states + laws..];
+        let sources = signals[..states].iter().chain(exogenous);
+        let slopes: Vec<Expr> = (switches.guards.iter())
+            .flat_map(|g| sources.clone().map(|s| g.derivative(*s)))
+            .collect();
+        let inputs: Vec<Signal> = [signals, &switches.signals()].concat();
+        let follows = |g: &Expr| signals[..states].iter().any(|s| g.mentions(*s));
+        let compiled = LawSwitches {
+            follows_states: switches.guards.iter().map(follows).collect(),
+            first: signals.len(),
+            guards: tape(&switches.guards, &inputs),
+            slopes: tape(&slopes, &inputs),
+            states,
+            exogenous: exogenous.len(),
+            switches,
+        };
+        Some((smooth, compiled))
+    }
+
+    /// Number of switches.
+    pub fn len(&self) -> usize {
+        self.switches.len()
+    }
+
+    pub fn signals(&self) -> Vec<Signal> {
+        self.switches.signals()
+    }
+
+    /// A column with the switches of the laws as signals; one with a switch of its own stays as written.
+    pub fn rewritten(&self, column: Expr, rates: &[Signal]) -> Expr {
+        let mut more = self.switches.clone();
+        let smooth = more.rewritten(&column, rates);
+        if more.len() == self.len() {
+            smooth
+        } else {
+            column
+        }
+    }
+
+    /// Guards at points, switches × `count`.
+    pub fn guards(&self, points: &[f64], count: usize, out: &mut Vec<f64>, work: &mut Vec<f64>) {
+        out.resize(self.len() * count, 0.0);
+        self.guards.eval(points, count, out, work);
+    }
+
+    /// Sets σ at points to the sides on which they are: 0 where a guard is zero.
+    pub fn set_sides(&self, points: &mut [f64], count: usize) {
+        let (mut guards, mut work) = (Vec::new(), Vec::new());
+        self.guards(points, count, &mut guards, &mut work);
+        for (side, guard) in points[self.first * count..].iter_mut().zip(guards) {
+            *side = match guard {
+                g if g > 0.0 => 1.0,
+                g if g < 0.0 => -1.0,
+                _ => 0.0,
+            };
+        }
+    }
+
+    /// Whether a switch changes its side: `side` at the start, `guard` later. A guard of states that starts at zero is an event of its own.
+    pub fn changes(&self, switch: usize, side: f64, guard: f64) -> bool {
+        match side {
+            0.0 => guard != 0.0 || self.follows_states[switch],
+            _ => side * guard <= 0.0,
+        }
+    }
+
+    /// Derivatives of the guards at a single point.
+    pub(super) fn gradients(&self, point: &[f64], work: &mut Vec<f64>) -> Gradients {
+        let mut all = vec![0.0; self.slopes.outputs()];
+        self.slopes.eval(point, 1, &mut all, work);
+        let mut out = Gradients::default();
+        for row in all.chunks_exact(self.states + self.exogenous) {
+            out.by_state.extend_from_slice(&row[..self.states]);
+            out.by_exogenous.extend_from_slice(&row[self.states..]);
+        }
+        out
+    }
+}
+
+impl Gradients {
+    /// ∂g/∂z of a guard.
+    pub fn of(&self, guard: usize, states: usize) -> &[f64] {
+        &self.by_state[guard * states..(guard + 1) * states]
+    }
+
+    /// Whether a guard is so near zero that it counts as zero; `spread`: sizes of the states.
+    pub fn is_on(&self, guard: usize, value: f64, spread: &[f64]) -> bool {
+        let slopes = self.of(guard, spread.len()).iter().zip(spread);
+        let size: f64 = slopes.map(|(slope, spread)| (slope * spread).abs()).sum();
+        value.abs() <= SHOOTING.on_guard * size
+    }
+}

@@ -1,0 +1,211 @@
+//! Laws at a single point where switches slide: σ is whatever keeps their guards at zero, and derivatives allow for it.
+//!
+//! In: laws, a point, the switches that slide. Out: σ at the point, the laws linearised along the guards, rates by side. With ġ = 0 for
+//! the guards that slide, σ_z = −(∂ġ/∂σ)⁻¹ ∂ġ/∂z: what would move a guard is taken up by σ. Guards are taken as linear in the states
+//! there (speeds are); ∂²g/∂z² is left out of derivatives.
+
+use nalgebra::DMatrix;
+
+use super::compiled_laws::{CompiledLaws, Diverged, LocalLinearization, Scratch};
+use super::law_switches::{Gradients, LawSwitches};
+use super::shooting::ShootingIntegrator;
+use super::step_group::StepGroup;
+use sidc_system::switching::{GuardRates, SlidingRates, least_norm};
+
+/// The laws at one point, whose σ may be chosen.
+pub(super) struct LawsAtPoint<'a> {
+    laws: &'a CompiledLaws,
+    switches: &'a LawSwitches,
+    coefficients: &'a [f64],
+    pub point: &'a mut [f64],
+    scratch: &'a mut Scratch,
+    pub gradients: Gradients,
+    /// What the exogenous signals alone move each guard by, a second.
+    by_time: Vec<f64>,
+}
+
+impl LawsAtPoint<'_> {
+    pub fn sides(&self) -> &[f64] {
+        &self.point[self.switches.first..]
+    }
+
+    pub fn set_sides(&mut self, sides: &[f64]) {
+        self.point[self.switches.first..].copy_from_slice(sides);
+    }
+
+    /// dz/dt with these sides.
+    pub fn flow(&mut self, sides: &[f64]) -> Result<Vec<f64>, Diverged> {
+        self.set_sides(sides);
+        (self.laws).rates(self.coefficients, self.point, 1, self.scratch)?;
+        let mut flow = vec![0.0; self.laws.states];
+        self.laws.flow(self.point, 1, &mut flow);
+        Ok(flow)
+    }
+
+    /// ġ of a guard along a flow.
+    pub fn rate(&self, guard: usize, flow: &[f64]) -> f64 {
+        let slopes = self.gradients.of(guard, self.laws.states);
+        let along = slopes.iter().zip(flow).map(|(slope, rate)| slope * rate);
+        self.by_time[guard] + along.sum::<f64>()
+    }
+
+    /// How a unit of each sliding σ changes the flow, states × sliding; laws are affine in σ.
+    fn flow_by_side(&mut self, sliding: &[usize]) -> Result<DMatrix<f64>, Diverged> {
+        let held = self.sides().to_vec();
+        let mut by_side = DMatrix::zeros(self.laws.states, sliding.len());
+        for (j, k) in sliding.iter().enumerate() {
+            let mut sides = held.clone();
+            sides[*k] = 1.0;
+            let above = self.flow(&sides)?;
+            sides[*k] = 0.0;
+            let level = self.flow(&sides)?;
+            for (i, (a, b)) in above.iter().zip(&level).enumerate() {
+                by_side[(i, j)] = a - b;
+            }
+        }
+        self.flow(&held)?;
+        Ok(by_side)
+    }
+
+    /// ∂g/∂z of some guards, a row each.
+    fn gradient_rows(&self, guards: &[usize]) -> DMatrix<f64> {
+        let n = self.laws.states;
+        DMatrix::from_fn(guards.len(), n, |i, j| self.gradients.of(guards[i], n)[j])
+    }
+
+    /// How states move onto the guards of sliding switches, along the jumps of the flow: 1 − F (G F)⁻¹ G with F = ∂ż/∂σ and G = ∂g/∂z.
+    pub fn projection(&mut self, sliding: &[usize]) -> Result<DMatrix<f64>, Diverged> {
+        let by_side = self.flow_by_side(sliding)?;
+        let gradients = self.gradient_rows(sliding);
+        let taken_up = least_norm(&gradients * &by_side, &gradients).ok_or(Diverged)?;
+        Ok(DMatrix::identity(self.laws.states, self.laws.states) - by_side * taken_up)
+    }
+
+    /// Turns laws linearised at fixed σ into those along the guards.
+    fn project(
+        &mut self,
+        sliding: &[usize],
+        local: &mut LocalLinearization,
+    ) -> Result<(), Diverged> {
+        let (n, m) = (self.laws.states, self.laws.laws);
+        let by_side = self.flow_by_side(sliding)?;
+        let gradients = self.gradient_rows(sliding);
+        let law_states = &self.laws.law_states;
+        let law_rows = by_side.select_rows(law_states);
+        let by_law = gradients.select_columns(law_states);
+        let jacobian = DMatrix::from_row_slice(m, n, &local.jacobian);
+        let solved = match local.solved.is_empty() {
+            true => DMatrix::identity(m, m),
+            false => DMatrix::from_row_slice(m, m, &local.solved),
+        };
+        let mut moved = &by_law * &jacobian;
+        for (i, next) in &self.laws.chain {
+            for (row, slope) in gradients.column(*i).iter().enumerate() {
+                moved[(row, *next)] += slope;
+            }
+        }
+        let slope = &gradients * &by_side;
+        let taken_up = least_norm(slope.clone(), &moved).ok_or(Diverged)?;
+        let jacobian = jacobian - &law_rows * taken_up;
+        let taken_up = least_norm(slope, &(by_law * &solved)).ok_or(Diverged)?;
+        let solved = solved - law_rows * taken_up;
+        local.jacobian.clear();
+        local.jacobian.extend(jacobian.transpose().iter());
+        local.solved.clear();
+        local.solved.extend(solved.transpose().iter());
+        Ok(())
+    }
+}
+
+impl GuardRates for LawsAtPoint<'_> {
+    type Error = Diverged;
+
+    fn guard_rates(&mut self, sides: &[f64], out: &mut [f64]) -> Result<(), Diverged> {
+        let flow = self.flow(sides)?;
+        for (guard, out) in out.iter_mut().enumerate() {
+            *out = self.rate(guard, &flow);
+        }
+        Ok(())
+    }
+}
+
+impl ShootingIntegrator<'_> {
+    /// The laws at a point of a single interval; `None` for laws that do not jump.
+    pub(super) fn at_point<'a>(
+        &'a self,
+        group: &StepGroup,
+        part: f64,
+        point: &'a mut [f64],
+        scratch: &'a mut Scratch,
+    ) -> Option<LawsAtPoint<'a>> {
+        let switches = self.laws.switches.as_ref()?;
+        let gradients = switches.gradients(point, &mut Vec::new());
+        let (record, k) = (group.record, group.intervals[0]);
+        let moving: Vec<f64> = (0..record.exogenous.len())
+            .map(|x| record.exogenous_rate_at(x, k, part))
+            .collect();
+        let by_time = match moving.is_empty() {
+            true => vec![0.0; switches.len()],
+            false => (gradients.by_exogenous.chunks_exact(moving.len()))
+                .map(|row| row.iter().zip(&moving).map(|(a, b)| a * b).sum())
+                .collect(),
+        };
+        Some(LawsAtPoint {
+            laws: self.laws,
+            switches,
+            coefficients: self.coefficients,
+            point,
+            scratch,
+            gradients,
+            by_time,
+        })
+    }
+
+    /// Sets σ of the switches that slide.
+    ///
+    /// # Errors
+    /// No σ keeps them.
+    pub(super) fn hold(
+        &self,
+        group: &StepGroup,
+        part: f64,
+        point: &mut [f64],
+        scratch: &mut Scratch,
+    ) -> Result<(), Diverged> {
+        if group.sliding.is_empty() {
+            return Ok(());
+        }
+        let Some(mut laws) = self.at_point(group, part, point, scratch) else {
+            return Ok(());
+        };
+        let mut sides = laws.sides().to_vec();
+        let rates = SlidingRates::measure(&mut laws, group.sliding.clone(), &mut sides)?;
+        if !rates.hold(&mut sides) {
+            return Err(Diverged);
+        }
+        laws.set_sides(&sides);
+        Ok(())
+    }
+
+    /// The laws linearised at points, along the guards of the switches that slide.
+    ///
+    /// # Errors
+    /// They diverge there.
+    pub(super) fn linearise_at(
+        &self,
+        group: &StepGroup,
+        part: f64,
+        points: &mut [f64],
+        (scratch, local): (&mut Scratch, &mut LocalLinearization),
+    ) -> Result<(), Diverged> {
+        self.hold(group, part, points, scratch)?;
+        (self.laws).evaluate(self.coefficients, points, group.count(), scratch, local)?;
+        if group.sliding.is_empty() {
+            return Ok(());
+        }
+        match self.at_point(group, part, points, scratch) {
+            Some(mut laws) => laws.project(&group.sliding, local),
+            None => Ok(()),
+        }
+    }
+}

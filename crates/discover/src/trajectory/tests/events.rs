@@ -1,0 +1,170 @@
+//! Flows across events: closed forms, and derivatives against differences.
+
+use super::{close, system};
+use crate::trajectory::integration::{CompiledLaws, IntervalBlock, ShootingIntegrator, Workspace};
+use crate::trajectory::model::{Exogenous, Record, System};
+
+/// One interval of 0.1 s of laws with all their columns active.
+struct Interval {
+    system: System,
+    coefficients: Vec<f64>,
+    /// Exogenous signals at the start and at the end.
+    inputs: Vec<[f64; 2]>,
+}
+
+impl Interval {
+    /// `laws`: the text of a model, whose terms have these coefficients in the order in which they are written.
+    fn new(laws: &str, coefficients: &[f64], inputs: &[[f64; 2]]) -> Interval {
+        let system = system(laws);
+        assert_eq!(system.columns.len(), coefficients.len());
+        assert_eq!(system.exogenous.len(), inputs.len());
+        Interval {
+            system,
+            coefficients: coefficients.to_vec(),
+            inputs: inputs.to_vec(),
+        }
+    }
+
+    fn flow(&self, coefficients: &[f64], states: &[f64]) -> IntervalBlock {
+        let n = self.system.states.len();
+        let exogenous = |values: &[f64; 2]| Exogenous {
+            values: values.to_vec(),
+            held: false,
+        };
+        let record = Record {
+            time: vec![0.0, 0.1],
+            measured: vec![vec![f64::NAN; 2]; n],
+            exogenous: self.inputs.iter().map(exogenous).collect(),
+            ..Record::default()
+        };
+        let active: Vec<usize> = (0..coefficients.len()).collect();
+        let flow = ShootingIntegrator {
+            laws: &CompiledLaws::new(&self.system, &active),
+            all: None,
+            coefficients,
+            spread: &vec![1.0; n],
+            accuracy: 1e-11,
+        };
+        let states = [states, &vec![0.0; n]].concat();
+        let (mut work, mut block) = (Workspace::default(), IntervalBlock::default());
+        flow.block(&record, &states, 0..1, &mut work, &mut block)
+            .unwrap();
+        block
+    }
+
+    /// T and U are what differences of the end states give.
+    fn check(&self, states: &[f64]) -> Vec<f64> {
+        let (n, k) = (states.len(), self.coefficients.len());
+        let base = self.flow(&self.coefficients, states);
+        let step = 1e-6;
+        let by = |at: &[f64], j: usize, d: f64| {
+            let mut moved = at.to_vec();
+            moved[j] += d;
+            moved
+        };
+        let agree = |up: IntervalBlock, down: IntervalBlock, said: &dyn Fn(usize) -> f64, of| {
+            for i in 0..n {
+                let measured = (up.end[i] - down.end[i]) / (2.0 * step);
+                let said = said(i);
+                assert!(
+                    close(said, measured, 2e-5),
+                    "{of} {i}: {said} for {measured}"
+                );
+            }
+        };
+        for j in 0..n {
+            let [up, down] =
+                [step, -step].map(|d| self.flow(&self.coefficients, &by(states, j, d)));
+            agree(
+                up,
+                down,
+                &|i| base.transition[i * n + j],
+                format!("state {j} of"),
+            );
+        }
+        for j in 0..k {
+            let [up, down] =
+                [step, -step].map(|d| self.flow(&by(&self.coefficients, j, d), states));
+            agree(
+                up,
+                down,
+                &|i| base.columns[i * k + j],
+                format!("coefficient {j} of"),
+            );
+        }
+        base.end
+    }
+}
+
+const BODY: &str = "system body\nstate x : order 2\ninput F\nddx ~ <F, sign(dx)>\n";
+
+#[test]
+fn a_body_comes_to_rest_and_stays() {
+    // 0.04 at a deceleration of 1 - 0.4: at rest after 0.04/0.6 s.
+    let body = Interval::new(BODY, &[1.0, -1.0], &[[0.4, 0.4]]);
+    let end = body.check(&[0.3, 0.04]);
+    assert!((end[0] - 0.3 - 0.04 * 0.04 / 1.2).abs() < 1e-14, "{end:?}");
+    assert!(end[1].abs() < 1e-14, "{end:?}");
+}
+
+#[test]
+fn a_body_turns() {
+    // -1 - 2 until it rests after 0.01 s, then -2 + 1 for 0.09 s.
+    let body = Interval::new(BODY, &[1.0, -1.0], &[[-2.0, -2.0]]);
+    let end = body.check(&[0.3, 0.03]);
+    let moved = 0.03 * 0.03 / 6.0 - 0.09 * 0.09 / 2.0;
+    assert!((end[0] - 0.3 - moved).abs() < 1e-14, "{end:?}");
+    assert!((end[1] + 0.09).abs() < 1e-14, "{end:?}");
+}
+
+#[test]
+fn a_body_is_let_go_when_the_force_has_grown() {
+    // The force passes the friction of 1 after half of the time: 20 t beyond it, so 10 t² and 10/3 t³.
+    let body = Interval::new(BODY, &[1.0, -1.0], &[[0.0, 2.0]]);
+    for start in [0.0, 1e-4, -1e-4] {
+        let end = body.check(&[0.3, start]);
+        assert!((end[1] - 10.0 * 0.05 * 0.05).abs() < 1e-12, "{end:?}");
+    }
+}
+
+#[test]
+fn friction_that_depends_on_speed_and_place() {
+    let laws = "system body\nstate x : order 2\ninput F\n\
+        ddx ~ <x, dx, F, sign(dx), sign(dx)*exp(-abs(dx)/0.1), x^2*sign(dx), step(x - 0.301)>\n";
+    let a = [-5.0, -0.5, 1.0, -1.0, -0.6, -0.3, -0.8];
+    let body = Interval::new(laws, &a, &[[1.0, -4.0]]);
+    for speed in [0.06, 0.02, -0.03, -0.2] {
+        body.check(&[0.3, speed]);
+    }
+}
+
+#[test]
+fn contacts_through_a_mass_matrix_and_on_each_other() {
+    let laws = "system two\nstate x : order 2\nstate q : order 2\ninput F\n\
+        ddx ~ <F, sign(dx), dq^2*sin(q), ddq*cos(q)>\nddq ~ <sin(q), sign(dq - dx), ddx*cos(q)>\n";
+    let a = [1.0, -0.7, 0.3, -0.2, -4.0, -0.5, -0.4];
+    for force in [[0.9, -1.5], [0.2, -0.3]] {
+        let two = Interval::new(laws, &a, &[force]);
+        for states in [
+            [0.1, 0.03, 0.2, 0.01],
+            [0.1, 0.01, 0.02, 0.03],
+            [0.1, -0.02, -0.1, -0.04],
+        ] {
+            two.check(&states);
+        }
+    }
+    let end = Interval::new(laws, &a, &[[0.2, -0.3]]).check(&[0.1, 0.0, 0.02, 0.0]);
+    assert!(end[1].abs() + end[3].abs() < 1e-14, "{end:?}");
+}
+
+#[test]
+fn a_belt_whose_speed_changes() {
+    let laws = "system belt\nstate x : order 2\ninput v\nddx ~ <x, sign(dx - v)>\n";
+    let belt = Interval::new(laws, &[-3.0, -1.0], &[[0.02, 0.06]]);
+    for speed in [0.02, 0.1, -0.05] {
+        let end = belt.check(&[0.1, speed]);
+        if speed == 0.02 {
+            assert!((end[1] - 0.06).abs() < 1e-12, "{end:?}");
+        }
+    }
+}
