@@ -174,15 +174,20 @@ impl Switches {
         }
     }
 
+    /// The multiple of a guard that is listed, and what the guard is of it; `None` for zero.
+    pub fn canonical(guard: &Expr) -> Option<(f64, Expr)> {
+        let (lead, _) = guard.terms().next()?;
+        Some((lead, guard.clone().scale(1.0 / lead)))
+    }
+
     /// σ of a guard, with the sign of its multiple that is listed.
     fn side_of(&mut self, guard: &Expr, jumps: bool) -> Expr {
-        let Some((lead, _)) = guard.terms().next() else {
+        if let Some(value) = guard.as_number() {
+            return Expr::number(if value == 0.0 { 0.0 } else { value.signum() });
+        }
+        let Some((lead, canonical)) = Switches::canonical(guard) else {
             return Expr::zero();
         };
-        if let Some(value) = guard.as_number() {
-            return Expr::number(value.signum());
-        }
-        let canonical = guard.clone().scale(1.0 / lead);
         let known = self.guards.iter().position(|g| *g == canonical);
         let place = known.unwrap_or_else(|| {
             self.guards.push(canonical);

@@ -101,7 +101,8 @@ impl CompiledLaws {
             laws.push(l);
         }
         let mut switches = None;
-        if let Some((smooth, found)) = LawSwitches::of(&values, &inputs, (n, m)) {
+        if let Some((smooth, found)) = LawSwitches::of(&values, (&inputs, &system.impulses), (n, m))
+        {
             values = smooth;
             inputs.extend(found.signals());
             switches = Some(found);

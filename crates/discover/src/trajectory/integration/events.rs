@@ -6,7 +6,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::compiled_laws::Diverged;
+use super::compiled_laws::{Diverged, LocalLinearization};
 use super::law_switches::LawSwitches;
 use super::parameter_sensitivity::{propagate, scatter};
 use super::shooting::{IntervalBlock, ShootingIntegrator, Workspace, values};
@@ -15,6 +15,15 @@ use super::step_group::StepGroup;
 use crate::trajectory::model::Record;
 use sidc_system::switching::thresholds::SWITCHING;
 use sidc_system::switching::{Located, Mode, Modes, SlidingRates, least_norm, locate};
+
+/// What a unit impulse of a guard does.
+struct ImpulseEffect {
+    /// What a unit of each law's right side adds to the states, states × laws.
+    gains: Vec<f64>,
+    /// Factors of the impulse in the columns of U, and in the active ones.
+    columns: Vec<f64>,
+    active: Vec<f64>,
+}
 
 /// One interval on its way from event to event.
 struct Passage<'a> {
@@ -259,15 +268,17 @@ impl Passage<'_> {
         let mut contacts: Vec<usize> = level.chain([switch]).collect();
         contacts.sort_unstable();
         contacts.dedup();
+        let impulse = self.impulse(switch, work)?;
         self.decide(contacts, work)?;
         if let Some(beyond) = beyond.filter(|_| self.modes == old) {
             self.modes.0[switch] = Mode::of(beyond);
             self.sides[switch] = self.modes.0[switch].side();
         }
-        self.begin_piece(work)?;
+        let jump = self.sides[switch] - old.0[switch].side();
         if old.0[switch] == Mode::Sliding || rate == 0.0 {
-            return Ok(());
+            return self.begin_piece(work);
         }
+        self.begin_piece(work)?;
         let n = before.len();
         let mut after = vec![0.0; n];
         self.integrator.laws.flow(&work.points[0], 1, &mut after);
@@ -282,6 +293,77 @@ impl Passage<'_> {
         let (slots, size) = (&self.group.slots, (n, self.integrator.width()));
         propagate(saltation, slots, size, &mut out.columns, &mut work.moved);
         work.transition.compose(&mut work.reached, n, 1);
-        Ok(())
+        match impulse {
+            Some(impulse) => self.add_impulse(&impulse, 0.5 * jump / rate, work, out),
+            None => Ok(()),
+        }
+    }
+
+    /// What a unit of a guard's impulse in the columns does to the rates at the present point; `None` where no column has it.
+    fn impulse(
+        &self,
+        switch: usize,
+        work: &mut Workspace,
+    ) -> Result<Option<ImpulseEffect>, Diverged> {
+        let Some(row) = self.switches.impulse(switch) else {
+            return Ok(None);
+        };
+        let integrator = self.integrator;
+        let mut gains = Vec::new();
+        integrator.gain(&work.local[0], None, 1.0, &[1.0], &mut gains);
+        let (mut columns, mut active) = (Vec::new(), Vec::new());
+        let mut local = LocalLinearization::default();
+        for impulse in [0.0, 1.0] {
+            let mut point = work.points[0].clone();
+            point[row] = impulse;
+            let (a, scratch) = (integrator.coefficients, &mut work.scratch);
+            integrator
+                .laws
+                .evaluate(a, &mut point, 1, scratch, &mut local)?;
+            active.push(local.columns.clone());
+            columns.push(match integrator.all {
+                Some((tape, _)) => {
+                    let mut all = Vec::new();
+                    values(tape, &point, 1, &mut all, &mut work.tape);
+                    all
+                }
+                None => local.columns.clone(),
+            });
+        }
+        let grown = |of: &[Vec<f64>]| of[1].iter().zip(&of[0]).map(|(b, a)| b - a).collect();
+        Ok(Some(ImpulseEffect {
+            gains,
+            columns: grown(&columns),
+            active: grown(&active),
+        }))
+    }
+
+    /// Adds an impulse of this size to the states and to U.
+    fn add_impulse(
+        &mut self,
+        effect: &ImpulseEffect,
+        size: f64,
+        work: &mut Workspace,
+        out: &mut IntervalBlock,
+    ) -> Result<(), Diverged> {
+        let (n, m, p) = {
+            let laws = self.integrator.laws;
+            (laws.states, laws.laws, self.integrator.width())
+        };
+        let all = self.integrator.all.map(|(_, ranges)| ranges);
+        let ranges = all.unwrap_or(&self.integrator.laws.ranges);
+        let slot = self.group.slots[0];
+        for i in 0..n {
+            for l in 0..m {
+                let gain = size * effect.gains[i * m + l];
+                for j in ranges[l].clone() {
+                    out.columns[(slot * n + i) * p + j] += gain * effect.columns[j];
+                }
+                for j in self.integrator.laws.ranges[l].clone() {
+                    work.points[0][i] += gain * effect.active[j] * self.integrator.coefficients[j];
+                }
+            }
+        }
+        self.begin_piece(work)
     }
 }

@@ -4,6 +4,7 @@
 //! bend but never jump stay as they are: integration only loses some digits there.
 
 use super::compiled_laws::tape;
+use crate::trajectory::model::Impulse;
 use crate::trajectory::thresholds::SHOOTING;
 use sidc_lang::term::{Expr, Signal, Tape};
 use sidc_system::switching::Switches;
@@ -17,6 +18,8 @@ pub(crate) struct LawSwitches {
     guards: Tape,
     /// Their derivatives by every state, then by every exogenous signal, guard after guard.
     slopes: Tape,
+    /// The row of each guard's impulse among those of points, where a column has it.
+    impulses: Vec<Option<usize>>,
     /// Whether a guard depends on the states, and not on exogenous signals alone.
     follows_states: Vec<bool>,
     states: usize,
@@ -36,7 +39,7 @@ impl LawSwitches {
     /// The laws with their switches as further signals, if any of them jumps. `signals`: states, rates, exogenous signals.
     pub fn of(
         values: &[Expr],
-        signals: &[Signal],
+        (signals, impulses): (&[Signal], &[Impulse]),
         (states, laws): (usize, usize),
     ) -> Option<(Vec<Expr>, LawSwitches)> {
         let mut switches = Switches::default();
@@ -53,7 +56,12 @@ impl LawSwitches {
             .collect();
         let inputs: Vec<Signal> = [signals, &switches.signals()].concat();
         let follows = |g: &Expr| signals[..states].iter().any(|s| g.mentions(*s));
+        let row = |g: &Expr| {
+            let own = impulses.iter().find(|i| i.guard == *g)?;
+            signals.iter().position(|s| *s == own.signal)
+        };
         let compiled = LawSwitches {
+            impulses: switches.guards.iter().map(row).collect(),
             follows_states: switches.guards.iter().map(follows).collect(),
             first: signals.len(),
             guards: tape(&switches.guards, &inputs),
@@ -63,6 +71,11 @@ impl LawSwitches {
             switches,
         };
         Some((smooth, compiled))
+    }
+
+    /// The row of the impulse of a guard.
+    pub fn impulse(&self, switch: usize) -> Option<usize> {
+        self.impulses[switch]
     }
 
     /// Number of switches.

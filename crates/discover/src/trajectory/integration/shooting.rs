@@ -386,7 +386,7 @@ impl ShootingIntegrator<'_> {
 
     /// What a unit of each law's right side at a node adds to the end state. `to_end` is the transition from the node to the end, `None`
     /// at the end itself.
-    fn gain(
+    pub(super) fn gain(
         &self,
         local: &LocalLinearization,
         to_end: Option<&[f64]>,

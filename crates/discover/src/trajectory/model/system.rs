@@ -31,6 +31,16 @@ pub struct System {
     pub with_units: BTreeSet<Signal>,
     /// What the coefficients obey; none at first.
     pub constraints: CoefficientConstraints,
+    /// Exogenous signals that are impulses of guards, where unknown constants in these are estimated.
+    pub(crate) impulses: Vec<Impulse>,
+}
+
+/// A signal that is an impulse where a guard is zero, δ(g).
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Impulse {
+    pub signal: Signal,
+    /// As switches list it.
+    pub guard: Expr,
 }
 
 /// A law: target = known + Σ coefficient · column.
@@ -100,6 +110,7 @@ impl System {
             noisy_exogenous: Vec::new(),
             with_units: BTreeSet::new(),
             constraints: CoefficientConstraints::default(),
+            impulses: Vec::new(),
         };
         for (i, equation) in model.equations.iter().enumerate() {
             let target = equation.target;

@@ -7,7 +7,9 @@
 //! coefficients beside it hold the error of k.
 
 use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, fit};
-use crate::trajectory::model::{ExtendedProblem, LinearizationPoint, Problem, indicator};
+use crate::trajectory::model::{
+    ExtendedProblem, LinearizationPoint, Problem, impulses_of, indicator,
+};
 use crate::trajectory::search::{final_criterion, last_criterion};
 use crate::trajectory::thresholds::CONSTANTS;
 use sidc_lang::term::{Expr, Signal, Term};
@@ -215,6 +217,7 @@ pub(super) fn with_sensitivities(
     // For each law the constants that it holds, with the weight of their column.
     let mut held: Vec<Vec<(usize, f64)>> = vec![Vec::new(); laws.len()];
     let mut extra: Vec<Vec<Term>> = vec![Vec::new(); laws.len()];
+    let mut impulses = problem.system.impulses.clone();
     for (l, law) in laws.iter().enumerate() {
         for (k, constant) in constants.iter().enumerate() {
             // A range of one value keeps a constant where it is.
@@ -228,7 +231,13 @@ pub(super) fn with_sensitivities(
                     .derivative(constant.signal)
                     .scale(a)
             });
-            let slope: Expr = moved.sum::<Expr>() + law.known.derivative(constant.signal);
+            let mut slope: Expr = moved.sum::<Expr>() + law.known.derivative(constant.signal);
+            let active = found.point.active().into_iter();
+            let jumping = active.filter(|(j, _)| law.columns.contains(j));
+            let jumping = jumping.map(|(j, a)| (a, &problem.system.columns[j]));
+            for (a, term) in jumping.chain(law.known.terms()) {
+                slope = slope + impulses_of(term, constant.signal, &mut impulses).scale(a);
+            }
             if slope.as_number() == Some(0.0) {
                 continue;
             }
@@ -240,7 +249,10 @@ pub(super) fn with_sensitivities(
             });
         }
     }
-    let extended = problem.with_extra_columns(&extra);
+    let extended = match impulses.is_empty() {
+        true => problem.with_extra_columns(&extra),
+        false => problem.with_impulses(impulses).with_extra_columns(&extra),
+    };
     let new: Vec<usize> = (0..extended.origin.len())
         .filter(|j| extended.origin[*j].is_none())
         .collect();

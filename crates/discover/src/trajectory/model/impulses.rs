@@ -1,0 +1,64 @@
+//! How terms that jump change with an unknown constant in their guard: by an impulse where the guard is zero.
+//!
+//! In: a term, a constant. Out: its derivative as a distribution: ∂/∂k step(g) = δ(g) ∂g/∂k and ∂/∂k sign(g) = 2 δ(g) ∂g/∂k. The impulse δ(g)
+//! of a guard is a signal that is zero along all records; integration gives it its effect where the guard is crossed.
+
+use super::estimation_problem::Problem;
+use super::record::Exogenous;
+use super::system::Impulse;
+use sidc_lang::term::{Atom, Expr, Signal, Term, VarId};
+use sidc_system::switching::Switches;
+
+/// The part of ∂term/∂constant that impulses make; guards that are new are added.
+pub(crate) fn impulses_of(term: &Term, constant: Signal, impulses: &mut Vec<Impulse>) -> Expr {
+    let mut sum = Expr::zero();
+    for (atom, power) in term.factors() {
+        let Atom::Call(f, args) = atom else { continue };
+        // Powers of a step are the step; even ones of a sign do not jump.
+        let height = match f.name {
+            "step" => 1.0,
+            "sign" if power.rem_euclid(2.0) == 1.0 => 2.0,
+            _ => continue,
+        };
+        let Some((lead, guard)) = args.first().and_then(Switches::canonical) else {
+            continue;
+        };
+        let slope = guard.derivative(constant);
+        if slope.as_number() == Some(0.0) {
+            continue;
+        }
+        let known = impulses.iter().find(|i| i.guard == guard);
+        let signal = known.map(|i| i.signal).unwrap_or_else(|| {
+            // No declared variable lags time.
+            let signal = Signal::shifted(VarId::TIME, -1 - impulses.len() as i32);
+            impulses.push(Impulse { signal, guard });
+            signal
+        });
+        let others: Expr = term.part(|other| other != atom).into();
+        sum = sum + others * slope * Expr::signal(signal).scale(height * lead.signum());
+    }
+    sum
+}
+
+impl Problem {
+    /// The problem with these impulses among its signals.
+    pub(crate) fn with_impulses(&self, impulses: Vec<Impulse>) -> Problem {
+        let mut problem = self.clone();
+        for impulse in &impulses {
+            if problem.system.exogenous.contains(&impulse.signal) {
+                continue;
+            }
+            problem.system.exogenous.push(impulse.signal);
+            problem.system.noisy_exogenous.push(false);
+            for record in &mut problem.records {
+                record.exogenous.push(Exogenous {
+                    values: vec![0.0; record.time.len()],
+                    held: true,
+                });
+            }
+        }
+        problem.system.impulses = impulses;
+        problem.compile_columns();
+        problem
+    }
+}
