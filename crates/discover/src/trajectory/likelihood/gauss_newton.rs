@@ -31,6 +31,9 @@ pub(super) fn undisturbed_fit(
     let mut found = None;
     let mut halving = StepHalving::default();
     let mut left = GAUSS_NEWTON.max_steps;
+    if code.switches.is_some() {
+        left += GAUSS_NEWTON.event_steps;
+    }
     while left > 0 {
         left -= 1;
         let mut qr = IncrementalQr::new(k);
