@@ -21,6 +21,7 @@ use sidc_system::switching::Switches;
 use super::joint::jointly;
 use super::measure::Measured;
 use super::program::Program;
+use super::thresholds::JUMPS;
 use crate::options::Options;
 
 /// The first equations, or those of the joint estimate if only these pass.
@@ -74,7 +75,8 @@ impl<'a> Second<'a> {
         let equations = program.model.equations.iter();
         let targets: Vec<Signal> = equations.map(|e| e.target).collect();
         if !targets.iter().any(|s| measured.dataset.has(*s)) {
-            return may_jump(program, first).then_some(Second {
+            let tried = is_affordable(program, measured) && may_jump(program, first);
+            return tried.then_some(Second {
                 dataset: Cow::Borrowed(&measured.dataset),
                 jumps: true,
             });
@@ -85,6 +87,12 @@ impl<'a> Second<'a> {
             jumps: false,
         })
     }
+}
+
+/// Whether a joint search for laws that may jump takes some seconds only.
+fn is_affordable(program: &Program, measured: &Measured) -> bool {
+    let columns: usize = program.libraries.iter().flatten().map(Library::len).sum();
+    measured.samples.len().saturating_mul(columns) <= JUMPS.work
 }
 
 /// Whether equations that are found jump, or those that are doubted might.

@@ -27,6 +27,14 @@ family! {
 }
 
 family! {
+    /// Laws that may jump, estimated jointly although the readings are clean.
+    pub(crate) JUMPS: PipelineJumps {
+        /// Samples times candidate terms up to which that is tried.
+        work: usize = 100_000, unit "values", source "it takes ten seconds there: the drive EMPS, 17,389 rows of 6 terms";
+    }
+}
+
+family! {
     /// States that nothing measures, tried where the answer is doubted.
     pub(crate) MISSING: PipelineMissingStates {
         /// Inputs that are tried behind a lag.
@@ -53,6 +61,7 @@ pub fn thresholds() -> Vec<Table> {
     vec![
         PipelineBudget::table(),
         PipelineDelays::table(),
+        PipelineJumps::table(),
         PipelineMissingStates::table(),
     ]
 }

@@ -11,3 +11,4 @@ pub mod force;
 pub mod response;
 pub mod rigs;
 pub mod run;
+pub mod switching;

@@ -9,10 +9,13 @@
 //! The study `plant` writes the cart-pendulum's tables. A new system needs one file and one line in SYSTEMS.
 
 mod allee;
+mod bouncing_ball;
 mod brusselator;
 mod coil;
 mod dc_motor;
 mod diode;
+mod drive;
+mod dry_pendulum;
 mod duffing;
 mod falling_ball;
 mod fan;
@@ -36,8 +39,10 @@ mod reactor;
 mod rlc;
 mod seir;
 mod sir;
+mod stick_slip;
 mod stribeck;
 mod tanks_overflow;
+mod thermostat;
 mod two_carts;
 mod two_mass;
 mod van_der_pol;
@@ -54,11 +59,14 @@ type Tables = fn() -> Vec<(&'static str, Table)>;
 #[rustfmt::skip]
 const SYSTEMS: &[(&str, Tables)] = &[
     ("allee",            allee::tables),
+    ("bouncing_ball",    bouncing_ball::tables),
     ("brusselator",      brusselator::tables),
     ("coil",             coil::tables),
     ("dc_motor",         dc_motor::tables),
     ("diode",            diode::tables),
     ("double_pendulum",  double_pendulum::tables),
+    ("drive",            drive::tables),
+    ("dry_pendulum",     dry_pendulum::tables),
     ("duffing",          duffing::tables),
     ("falling_ball",     falling_ball::tables),
     ("fan",              fan::tables),
@@ -82,8 +90,10 @@ const SYSTEMS: &[(&str, Tables)] = &[
     ("rlc",              rlc::tables),
     ("seir",             seir::tables),
     ("sir",              sir::tables),
+    ("stick_slip",       stick_slip::tables),
     ("stribeck",         stribeck::tables),
     ("tanks_overflow",   tanks_overflow::tables),
+    ("thermostat",       thermostat::tables),
     ("two_carts",        two_carts::tables),
     ("two_mass",         two_mass::tables),
     ("van_der_pol",      van_der_pol::tables),
