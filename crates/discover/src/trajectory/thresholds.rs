@@ -50,6 +50,8 @@ family! {
         step_error: f64 = 1.0 / 120.0, unit "", source "the first term of exp that order four leaves out: 1/5!";
         /// A guard of a switch that counts as zero at the start of an interval.
         on_guard: f64 = 1e-10, unit "spread of its states", source "set by hand: far above rounding, far below what a reading shows";
+        /// Part of an interval within which a body that comes to rest counts as at rest at its start.
+        at_rest: f64 = 0.01, unit "of the interval", source "set by hand: slips leave speeds that are a thousandth of the sensor's noise";
         /// Newton steps for laws that contain rates.
         newton_steps: usize = 8, unit "steps", source "set by hand";
         /// Relative change of a rate at which Newton's method ends.

@@ -4,7 +4,7 @@
 //! without a jump, their derivatives are multiplied by the saltation matrix 1 + (f₊ − f₋) ∇gᵀ/ġ₋, because the instant of the event moves
 //! with the state (Aizerman and Gantmacher 1958; Leine and Nijmeijer 2004, ch. 7). Where a contact is let go, f₊ = f₋.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use super::compiled_laws::{Diverged, LocalLinearization};
 use super::law_switches::LawSwitches;
@@ -14,7 +14,7 @@ use super::state_transition::unit;
 use super::step_group::StepGroup;
 use crate::trajectory::model::Record;
 use sidc_system::switching::thresholds::SWITCHING;
-use sidc_system::switching::{Located, Mode, Modes, SlidingRates, least_norm, locate};
+use sidc_system::switching::{Located, Mode, Modes, SlidingRates, locate};
 
 /// What a unit impulse of a guard does.
 struct ImpulseEffect {
@@ -114,20 +114,8 @@ impl Passage<'_> {
             let (point, scratch) = (&mut work.points[0], &mut work.scratch);
             let laws = (self.integrator).at_point(&self.group, 0.0, point, scratch);
             let mut laws = laws.ok_or(Diverged)?;
-            let onto = laws.projection(&sliding)?;
-            let values = DVector::from_iterator(sliding.len(), sliding.iter().map(|k| guards[*k]));
-            let rows = DMatrix::from_fn(sliding.len(), n, |i, j| gradients.of(sliding[i], n)[j]);
-            // Any step that brings the guards to zero, made one along the jumps by the projection.
-            if let Some(step) = least_norm(
-                &rows * rows.transpose(),
-                &DMatrix::from_column_slice(values.len(), 1, values.as_slice()),
-            ) {
-                let off = rows.transpose() * step;
-                let along = &off - &onto * &off;
-                for (x, d) in laws.point[..n].iter_mut().zip(along.iter()) {
-                    *x -= d;
-                }
-            }
+            let values = DMatrix::from_fn(sliding.len(), 1, |i, _| guards[sliding[i]]);
+            let onto = laws.onto_guards(&sliding, values)?;
             work.reached.clear();
             work.reached.extend(onto.transpose().iter());
         }
@@ -346,21 +334,21 @@ impl Passage<'_> {
         work: &mut Workspace,
         out: &mut IntervalBlock,
     ) -> Result<(), Diverged> {
-        let (n, m, p) = {
-            let laws = self.integrator.laws;
-            (laws.states, laws.laws, self.integrator.width())
-        };
+        let laws = self.integrator.laws;
+        let (n, m, p) = (laws.states, laws.laws, self.integrator.width());
         let all = self.integrator.all.map(|(_, ranges)| ranges);
-        let ranges = all.unwrap_or(&self.integrator.laws.ranges);
+        let ranges = all.unwrap_or(&laws.ranges);
         let slot = self.group.slots[0];
         for i in 0..n {
-            for l in 0..m {
-                let gain = size * effect.gains[i * m + l];
-                for j in ranges[l].clone() {
-                    out.columns[(slot * n + i) * p + j] += gain * effect.columns[j];
+            let u = &mut out.columns[(slot * n + i) * p..(slot * n + i + 1) * p];
+            let gains = &effect.gains[i * m..(i + 1) * m];
+            for ((gain, columns), active) in gains.iter().zip(ranges).zip(&laws.ranges) {
+                for j in columns.clone() {
+                    u[j] += size * gain * effect.columns[j];
                 }
-                for j in self.integrator.laws.ranges[l].clone() {
-                    work.points[0][i] += gain * effect.active[j] * self.integrator.coefficients[j];
+                for j in active.clone() {
+                    let own = effect.active[j] * self.integrator.coefficients[j];
+                    work.points[0][i] += size * gain * own;
                 }
             }
         }

@@ -10,7 +10,9 @@ use super::compiled_laws::{CompiledLaws, Diverged, LocalLinearization, Scratch};
 use super::law_switches::{Gradients, LawSwitches};
 use super::shooting::ShootingIntegrator;
 use super::step_group::StepGroup;
-use sidc_system::switching::{GuardRates, SlidingRates, least_norm};
+use crate::trajectory::model::Record;
+use crate::trajectory::thresholds::SHOOTING;
+use sidc_system::switching::{GuardRates, Mode, Modes, SlidingRates, least_norm};
 
 /// The laws at one point, whose σ may be chosen.
 pub(super) struct LawsAtPoint<'a> {
@@ -24,7 +26,36 @@ pub(super) struct LawsAtPoint<'a> {
     by_time: Vec<f64>,
 }
 
-impl LawsAtPoint<'_> {
+impl<'a> LawsAtPoint<'a> {
+    /// At a part of the interval that begins at sample `k`; `None` for laws that do not jump.
+    pub fn new(
+        (laws, coefficients): (&'a CompiledLaws, &'a [f64]),
+        (record, k, part): (&Record, usize, f64),
+        point: &'a mut [f64],
+        scratch: &'a mut Scratch,
+    ) -> Option<LawsAtPoint<'a>> {
+        let switches = laws.switches.as_ref()?;
+        let gradients = switches.gradients(point, &mut Vec::new());
+        let moving: Vec<f64> = (0..record.exogenous.len())
+            .map(|x| record.exogenous_rate_at(x, k, part))
+            .collect();
+        let by_time = match moving.is_empty() {
+            true => vec![0.0; switches.len()],
+            false => (gradients.by_exogenous.chunks_exact(moving.len()))
+                .map(|row| row.iter().zip(&moving).map(|(a, b)| a * b).sum())
+                .collect(),
+        };
+        Some(LawsAtPoint {
+            laws,
+            switches,
+            coefficients,
+            point,
+            scratch,
+            gradients,
+            by_time,
+        })
+    }
+
     pub fn sides(&self) -> &[f64] {
         &self.point[self.switches.first..]
     }
@@ -73,12 +104,22 @@ impl LawsAtPoint<'_> {
         DMatrix::from_fn(guards.len(), n, |i, j| self.gradients.of(guards[i], n)[j])
     }
 
-    /// How states move onto the guards of sliding switches, along the jumps of the flow: 1 − F (G F)⁻¹ G with F = ∂ż/∂σ and G = ∂g/∂z.
-    pub fn projection(&mut self, sliding: &[usize]) -> Result<DMatrix<f64>, Diverged> {
+    /// Moves the state onto the guards of sliding switches, along the jumps of the flow: by −F (G F)⁻¹ g with F = ∂ż/∂σ, G = ∂g/∂z and these
+    /// values g. Out comes the derivative of where it arrives, 1 − F (G F)⁻¹ G.
+    pub fn onto_guards(
+        &mut self,
+        sliding: &[usize],
+        values: DMatrix<f64>,
+    ) -> Result<DMatrix<f64>, Diverged> {
         let by_side = self.flow_by_side(sliding)?;
         let gradients = self.gradient_rows(sliding);
-        let taken_up = least_norm(&gradients * &by_side, &gradients).ok_or(Diverged)?;
-        Ok(DMatrix::identity(self.laws.states, self.laws.states) - by_side * taken_up)
+        let unit = DMatrix::identity(sliding.len(), sliding.len());
+        let along = &by_side * least_norm(&gradients * &by_side, &unit).ok_or(Diverged)?;
+        let n = self.laws.states;
+        for (x, by) in self.point[..n].iter_mut().zip((&along * values).iter()) {
+            *x -= by;
+        }
+        Ok(DMatrix::identity(n, n) - along * gradients)
     }
 
     /// Turns laws linearised at fixed σ into those along the guards.
@@ -117,6 +158,48 @@ impl LawsAtPoint<'_> {
     }
 }
 
+impl CompiledLaws {
+    /// Adds σ to the signals at the samples of a record, rows over all of them: at rest what keeps the guards at zero, and else their signs.
+    /// A switch is at rest where it gets there within a small part of the interval that begins there.
+    pub fn add_sides(&self, a: &[f64], record: &Record, points: &mut Vec<f64>) {
+        let Some(switches) = &self.switches else {
+            return;
+        };
+        let count = record.len();
+        points.resize(self.inputs * count, 0.0);
+        switches.set_sides(points, count);
+        let (mut guards, mut scratch) = (Vec::new(), Scratch::default());
+        switches.guards(points, count, &mut guards, &mut Vec::new());
+        for b in 0..count {
+            let k = b.min(count - 2);
+            let near = SHOOTING.at_rest * (record.time[k + 1] - record.time[k]);
+            let own = (0..self.inputs).map(|row| points[row * count + b]);
+            let mut point: Vec<f64> = own.collect();
+            let at = (record, k, (b - k) as f64);
+            let Some(mut laws) = LawsAtPoint::new((self, a), at, &mut point, &mut scratch) else {
+                return;
+            };
+            let mut sides = laws.sides().to_vec();
+            let Ok(flow) = laws.flow(&sides) else {
+                continue;
+            };
+            let guard = |k: &usize| guards[k * count + b];
+            let reaches = |k: &usize| guard(k).abs() <= near * laws.rate(*k, &flow).abs();
+            let contacts: Vec<usize> = (0..sides.len()).filter(reaches).collect();
+            if contacts.is_empty() {
+                continue;
+            }
+            let mut modes = Modes((0..sides.len()).map(|k| Mode::of(guard(&k))).collect());
+            if let Ok(rates) = SlidingRates::measure(&mut laws, contacts, &mut sides) {
+                rates.decide(&mut modes, &mut sides);
+                for (k, side) in sides.iter().enumerate() {
+                    points[(switches.first + k) * count + b] = *side;
+                }
+            }
+        }
+    }
+}
+
 impl GuardRates for LawsAtPoint<'_> {
     type Error = Diverged;
 
@@ -138,27 +221,9 @@ impl ShootingIntegrator<'_> {
         point: &'a mut [f64],
         scratch: &'a mut Scratch,
     ) -> Option<LawsAtPoint<'a>> {
-        let switches = self.laws.switches.as_ref()?;
-        let gradients = switches.gradients(point, &mut Vec::new());
-        let (record, k) = (group.record, group.intervals[0]);
-        let moving: Vec<f64> = (0..record.exogenous.len())
-            .map(|x| record.exogenous_rate_at(x, k, part))
-            .collect();
-        let by_time = match moving.is_empty() {
-            true => vec![0.0; switches.len()],
-            false => (gradients.by_exogenous.chunks_exact(moving.len()))
-                .map(|row| row.iter().zip(&moving).map(|(a, b)| a * b).sum())
-                .collect(),
-        };
-        Some(LawsAtPoint {
-            laws: self.laws,
-            switches,
-            coefficients: self.coefficients,
-            point,
-            scratch,
-            gradients,
-            by_time,
-        })
+        let laws = (self.laws, self.coefficients);
+        let at = (group.record, group.intervals[0], part);
+        LawsAtPoint::new(laws, at, point, scratch)
     }
 
     /// Sets σ of the switches that slide.

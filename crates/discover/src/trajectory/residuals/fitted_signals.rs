@@ -111,10 +111,7 @@ impl Problem {
         let code = CompiledLaws::new(&self.system, fit.support());
         for ((record, path), curve) in self.records.iter().zip(fit.paths()).zip(&self.smoothed) {
             let mut points = self.points(record, 0..record.len(), (path, &curve.rates));
-            if let Some(switches) = &code.switches {
-                points.resize(code.inputs * record.len(), 0.0);
-                switches.set_sides(&mut points, record.len());
-            }
+            code.add_sides(fit.coefficients(), record, &mut points);
             // Where the laws have no rates, those of the smoothed trajectory stay.
             let _ = code.rates(
                 fit.coefficients(),
