@@ -23,6 +23,7 @@ const DOCUMENTS: &[&str] = &[
     "docs/report.md",
     "docs/tutorial.md",
     "docs/hidden.md",
+    "docs/friction.md",
     "models/README.md",
 ];
 

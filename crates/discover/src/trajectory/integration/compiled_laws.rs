@@ -380,7 +380,7 @@ fn newton(rates: &mut [f64], inverse: &[f64], gap: &[f64], m: usize, count: usiz
 }
 
 /// Every signal of the expressions is among the inputs by construction, so the default is never taken.
-pub(super) fn tape(outputs: &[Expr], inputs: &[Signal]) -> Tape {
+fn tape(outputs: &[Expr], inputs: &[Signal]) -> Tape {
     Tape::new(outputs, inputs).unwrap_or_default()
 }
 

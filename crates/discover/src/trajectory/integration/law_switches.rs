@@ -3,7 +3,6 @@
 //! In: laws as written. Out: laws that are smooth while every switch keeps its side, guards and their gradients at points. Laws that
 //! bend but never jump stay as they are: integration only loses some digits there.
 
-use super::compiled_laws::tape;
 use crate::trajectory::model::Impulse;
 use crate::trajectory::thresholds::SHOOTING;
 use sidc_lang::term::{Expr, Signal, Tape};
@@ -56,6 +55,8 @@ impl LawSwitches {
             .collect();
         let inputs: Vec<Signal> = [signals, &switches.signals()].concat();
         let follows = |g: &Expr| signals[..states].iter().any(|s| g.mentions(*s));
+        // Every signal of them is among the inputs, so the default is never taken.
+        let tape = |all: &[Expr]| Tape::new(all, &inputs).unwrap_or_default();
         let row = |g: &Expr| {
             let own = impulses.iter().find(|i| i.guard == *g)?;
             signals.iter().position(|s| *s == own.signal)
@@ -64,8 +65,8 @@ impl LawSwitches {
             impulses: switches.guards.iter().map(row).collect(),
             follows_states: switches.guards.iter().map(follows).collect(),
             first: signals.len(),
-            guards: tape(&switches.guards, &inputs),
-            slopes: tape(&slopes, &inputs),
+            guards: tape(&switches.guards),
+            slopes: tape(&slopes),
             states,
             exogenous: exogenous.len(),
             switches,
