@@ -111,9 +111,14 @@ fn shapes_and_headers_decide() {
     );
 }
 
-/// States whose positions suggest another order than that of their laws, at any noise: a state coupled to a hidden one, and a rate that polynomials
-/// approximate badly.
-const UNSEEN_ORDERS: [(&str, &str); 3] = [("predator", "prey"), ("seir", "I"), ("allee", "x")];
+/// States whose positions suggest another order than that of their laws, at any noise: a state coupled to a hidden one, a rate that polynomials
+/// approximate badly, and a speed that follows its force through friction.
+const UNSEEN_ORDERS: [(&str, &str); 4] = [
+    ("predator", "prey"),
+    ("seir", "I"),
+    ("allee", "x"),
+    ("drive", "q"),
+];
 
 /// The table of a gallery model without rates, with noise on each state relative to its spread.
 fn positions(table: &str, states: &[String], noise: f64, random: &mut Random) -> String {

@@ -50,7 +50,6 @@ followed! {
     NoMotion: records::no_motion, "record data in which it moves";
     NoTrajectory: library::no_trajectory, "add sin(x) to the library";
     NotCarriedOver: records::not_carried_over, "identify from records of both conditions";
-    NotSettled: records::not_settled, "record more";
     NotSparse: records::not_sparse, "rows more";
     Outliers: sensors::outliers, "--robust";
     PoorFit: library::poor_fit, "add x^2*dx to the library";
@@ -92,6 +91,10 @@ fn an_input_that_only_the_data_have() {
 /// Codes with advice that no case can follow, and why. Other tests cover what they advise.
 const NOT_FOLLOWED: &[(ReasonCode, &str)] = &[
     (ReasonCode::Interrupted, "a user ends the search"),
+    (
+        ReasonCode::NotSettled,
+        "measured rigs end so, no simulated case known does",
+    ),
     (ReasonCode::NotVerified, "a claim of the program is wrong"),
     (
         ReasonCode::RowsDiffer,
@@ -113,6 +116,7 @@ fn the_advice_of_every_code_is_followed() {
 fn advice_that_no_case_follows_says_what_to_do() {
     let wanted = [
         "let it run to its end",
+        "record more",
         "report it",
         "identify stretches",
         "raise --time-limit",

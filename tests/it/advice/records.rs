@@ -58,26 +58,6 @@ pub fn not_carried_over() -> Scenario {
     })
 }
 
-/// Dry friction: `sign(dx)` has no derivative at its jump.
-pub fn not_settled() -> Scenario {
-    let push = levels(500, 12, 1);
-    let mut z = [0.0, 0.0];
-    let mut x = Vec::new();
-    for u in &push {
-        x.push(z[0]);
-        for _ in 0..40 {
-            let force = -8.0 * z[1] + 8.0 * u - 1.5 * f64::signum(z[1]);
-            z = [z[0] + z[1] * 0.025 / 40.0, z[1] + force * 0.025 / 40.0];
-        }
-    }
-    let table = record(0.025, &[("x", &read(&x, 2e-4, 1)), ("u", &push)]);
-    let model = "state x : order 2\ninput u : hold\nddx ~ <1, u, dx, sign dx>\n";
-    Scenario::words(Case::new(model, table), |case, _| {
-        case.rewritten("dx, sign dx", "dx")
-    })
-    .doubted()
-}
-
 pub fn not_sparse() -> Scenario {
     let table = |rows: usize| {
         let (x, z) = (normal(rows, 1), normal(rows, 2));

@@ -19,6 +19,8 @@ family! {
         pivots: usize = 200, unit "pivots", source "set by hand: mostly one a contact";
         /// Events at one instant after which they are said to accumulate.
         at_once: usize = 64, unit "events", source "set by hand: contacts that decide each other take two or three each";
+        /// A guard that counts as zero where its switch slid before.
+        drift: f64 = 1e-7, unit "of the guard's size", source "set by hand: a hundred times the error of a step, below any jump of an input that shows";
         /// A guard that counts as zero at the start of a stretch.
         zero: f64 = 1e-13, unit "of the guard's size", source "rounding of a state that was set to the guard";
     }

@@ -160,7 +160,7 @@ impl<'a> LawsAtPoint<'a> {
 
 impl CompiledLaws {
     /// Adds σ to the signals at the samples of a record, rows over all of them: at rest what keeps the guards at zero, and else their signs.
-    /// A switch is at rest where it gets there within a small part of the interval that begins there.
+    /// At rest the states are moved onto the guards, since signs of what slips leave of a speed say nothing. A switch is at rest where it gets there within a small part of the interval that begins there.
     pub fn add_sides(&self, a: &[f64], record: &Record, points: &mut Vec<f64>) {
         let Some(switches) = &self.switches else {
             return;
@@ -192,8 +192,14 @@ impl CompiledLaws {
             let mut modes = Modes((0..sides.len()).map(|k| Mode::of(guard(&k))).collect());
             if let Ok(rates) = SlidingRates::measure(&mut laws, contacts, &mut sides) {
                 rates.decide(&mut modes, &mut sides);
-                for (k, side) in sides.iter().enumerate() {
-                    points[(switches.first + k) * count + b] = *side;
+                laws.set_sides(&sides);
+                let sliding: Vec<usize> = modes.sliding().collect();
+                let values = DMatrix::from_fn(sliding.len(), 1, |i, _| guard(&sliding[i]));
+                if !sliding.is_empty() && laws.onto_guards(&sliding, values).is_err() {
+                    continue;
+                }
+                for (row, x) in laws.point.iter().enumerate() {
+                    points[row * count + b] = *x;
                 }
             }
         }

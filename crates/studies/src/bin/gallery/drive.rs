@@ -7,7 +7,7 @@ use sidc_testing::table::Table;
 
 pub fn tables() -> Vec<(&'static str, Table)> {
     let system = Switched {
-        rates: |&[_, v]: &[f64; 2], u: f64, side: f64| [v, 0.05 + u / 95.0 - 2.1 * v - 0.21 * side],
+        rates: |&[_, v]: &[f64; 2], u: f64, side: f64| [v, 0.05 + u / 95.0 - 0.9 * v - 0.21 * side],
         guard: |&[_, v]: &[f64; 2], _: f64| v,
     };
     let times = grid(1500, 0.01);

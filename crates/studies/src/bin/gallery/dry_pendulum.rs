@@ -1,4 +1,4 @@
-//! A pendulum in a dry bearing, let go three times until it rests. Angles with noise of 2 mrad.
+//! A pendulum in a dry bearing, let go three times until it rests. Angles with noise of 0.5 mrad.
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::switching::Switched;
@@ -18,7 +18,11 @@ pub fn tables() -> Vec<(&'static str, Table)> {
     for (run, start) in [2.4, -1.2, 0.5].into_iter().enumerate() {
         let states = system.held(&times, [start, 0.0], &vec![0.0; times.len()]);
         for (t, [theta, _]) in times.iter().zip(states) {
-            table.push(&[run as f64, *t, decimals(theta + 0.002 * random.normal(), 5)]);
+            table.push(&[
+                run as f64,
+                *t,
+                decimals(theta + 0.0005 * random.normal(), 5),
+            ]);
         }
     }
     vec![("dry_pendulum.csv", table)]

@@ -1,4 +1,4 @@
-//! A block on a belt, held by a spring: dry friction that falls with the speed of sliding. Positions with noise of 0.1 mm.
+//! A block on a belt, held by a spring: dry friction that falls with the speed of sliding. Positions with noise of 0.02 mm.
 
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::switching::Switched;
@@ -23,7 +23,7 @@ pub fn tables() -> Vec<(&'static str, Table)> {
     let states = system.held(&times, [0.0, 0.0], &belt);
     let mut table = Table::new(&["t", "x", "V"]);
     for ((t, [x, _]), belt) in times.iter().zip(states).zip(&belt) {
-        table.push(&[*t, decimals(x + 1e-4 * random.normal(), 6), *belt]);
+        table.push(&[*t, decimals(x + 2e-5 * random.normal(), 6), *belt]);
     }
     vec![("stick_slip.csv", table)]
 }

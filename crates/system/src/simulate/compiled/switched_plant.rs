@@ -185,8 +185,12 @@ impl Plant {
         let mut contacts = Vec::new();
         for (k, size) in sizes.iter().enumerate() {
             let g = switches.value(work, k);
-            let is_zero = g.abs() <= SWITCHING.zero * size;
-            match is_zero || work.modes.0[k] == Mode::Sliding || events.contains(&k) {
+            // An input that jumps may have taken a guard away from a switch that slid.
+            let near = match work.modes.0[k] {
+                Mode::Sliding => SWITCHING.drift,
+                _ => SWITCHING.zero,
+            };
+            match g.abs() <= near * size || events.contains(&k) {
                 true => contacts.push(k),
                 false => work.modes.0[k] = Mode::of(g),
             }
