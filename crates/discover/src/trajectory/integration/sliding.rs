@@ -122,6 +122,22 @@ impl<'a> LawsAtPoint<'a> {
         Ok(DMatrix::identity(n, n) - along * gradients)
     }
 
+    /// Takes what rounding left of guards of a single state off that state, so that they are exactly zero.
+    fn round_onto_guards(&mut self, sliding: &[usize]) {
+        let (n, mut guards) = (self.laws.states, Vec::new());
+        (self.switches).guards(self.point, 1, &mut guards, &mut Vec::new());
+        for k in sliding {
+            let slopes = self.gradients.of(*k, n).iter().enumerate();
+            let own: Vec<(usize, f64)> = slopes
+                .filter(|(_, s)| **s != 0.0)
+                .map(|(i, s)| (i, *s))
+                .collect();
+            if let [(i, slope)] = own[..] {
+                self.point[i] -= guards[*k] / slope;
+            }
+        }
+    }
+
     /// Turns laws linearised at fixed σ into those along the guards.
     fn project(
         &mut self,
@@ -198,6 +214,7 @@ impl CompiledLaws {
                 if !sliding.is_empty() && laws.onto_guards(&sliding, values).is_err() {
                     continue;
                 }
+                laws.round_onto_guards(&sliding);
                 for (row, x) in laws.point.iter().enumerate() {
                     points[row * count + b] = *x;
                 }
