@@ -16,6 +16,16 @@ use crate::trajectory::model::Record;
 use sidc_system::switching::thresholds::SWITCHING;
 use sidc_system::switching::{Located, Mode, Modes, SlidingRates, locate};
 
+/// How a guard is reached.
+struct Arrival {
+    /// ż before the event.
+    flow: Vec<f64>,
+    /// ġ along it.
+    rate: f64,
+    /// ∂g/∂z.
+    gradient: Vec<f64>,
+}
+
 /// What a unit impulse of a guard does.
 struct ImpulseEffect {
     /// What a unit of each law's right side adds to the states, states × laws.
@@ -244,47 +254,70 @@ impl Passage<'_> {
         out: &mut IntervalBlock,
     ) -> Result<(), Diverged> {
         self.events_left = self.events_left.checked_sub(1).ok_or(Diverged)?;
-        let (part, old) = (self.part, self.modes.clone());
-        self.group.set_within(part, part);
-        let (point, scratch) = (&mut work.points[0], &mut work.scratch);
-        let laws = self.integrator.at_point(&self.group, part, point, scratch);
-        let mut laws = laws.ok_or(Diverged)?;
-        let before = laws.flow(&self.sides)?;
-        let rate = laws.rate(switch, &before);
-        let gradient = laws.gradients.of(switch, before.len()).to_vec();
-        let level = (0..old.0.len()).filter(|k| matches!(old.0[*k], Mode::Sliding | Mode::Level));
-        let mut contacts: Vec<usize> = level.chain([switch]).collect();
-        contacts.sort_unstable();
-        contacts.dedup();
+        let old = self.modes.0[switch];
+        let arrival = self.arrival(switch, work)?;
         let impulse = self.impulse(switch, work)?;
+        self.take_sides(switch, beyond, work)?;
+        self.begin_piece(work)?;
+        if old == Mode::Sliding || arrival.rate == 0.0 {
+            return Ok(());
+        }
+        self.apply_saltation(&arrival, work, out);
+        let jump = self.sides[switch] - old.side();
+        match impulse {
+            Some(impulse) => self.add_impulse(&impulse, 0.5 * jump / arrival.rate, work, out),
+            None => Ok(()),
+        }
+    }
+
+    /// How the present point was reached.
+    fn arrival(&mut self, switch: usize, work: &mut Workspace) -> Result<Arrival, Diverged> {
+        self.group.set_within(self.part, self.part);
+        let (point, scratch) = (&mut work.points[0], &mut work.scratch);
+        let laws = (self.integrator).at_point(&self.group, self.part, point, scratch);
+        let mut laws = laws.ok_or(Diverged)?;
+        let flow = laws.flow(&self.sides)?;
+        Ok(Arrival {
+            rate: laws.rate(switch, &flow),
+            gradient: laws.gradients.of(switch, flow.len()).to_vec(),
+            flow,
+        })
+    }
+
+    /// Decides the switch together with all that are at zero.
+    fn take_sides(
+        &mut self,
+        switch: usize,
+        beyond: Option<f64>,
+        work: &mut Workspace,
+    ) -> Result<(), Diverged> {
+        let old = self.modes.clone();
+        let at_zero = |k: &usize| matches!(old.0[*k], Mode::Sliding | Mode::Level) || *k == switch;
+        let contacts: Vec<usize> = (0..old.0.len()).filter(at_zero).collect();
         self.decide(contacts, work)?;
         if let Some(beyond) = beyond.filter(|_| self.modes == old) {
             self.modes.0[switch] = Mode::of(beyond);
             self.sides[switch] = self.modes.0[switch].side();
         }
-        let jump = self.sides[switch] - old.0[switch].side();
-        if old.0[switch] == Mode::Sliding || rate == 0.0 {
-            return self.begin_piece(work);
-        }
-        self.begin_piece(work)?;
-        let n = before.len();
+        Ok(())
+    }
+
+    /// Multiplies T and U by the saltation matrix of an event at the present point.
+    fn apply_saltation(&self, before: &Arrival, work: &mut Workspace, out: &mut IntervalBlock) {
+        let n = before.flow.len();
         let mut after = vec![0.0; n];
         self.integrator.laws.flow(&work.points[0], 1, &mut after);
         let saltation = &mut work.transition.whole;
         saltation.resize(n * n, 0.0);
         unit(saltation, n, 1);
         for i in 0..n {
-            for (j, slope) in gradient.iter().enumerate() {
-                saltation[i * n + j] += (after[i] - before[i]) * slope / rate;
+            for (j, slope) in before.gradient.iter().enumerate() {
+                saltation[i * n + j] += (after[i] - before.flow[i]) * slope / before.rate;
             }
         }
         let (slots, size) = (&self.group.slots, (n, self.integrator.width()));
         propagate(saltation, slots, size, &mut out.columns, &mut work.moved);
         work.transition.compose(&mut work.reached, n, 1);
-        match impulse {
-            Some(impulse) => self.add_impulse(&impulse, 0.5 * jump / rate, work, out),
-            None => Ok(()),
-        }
     }
 
     /// What a unit of a guard's impulse in the columns does to the rates at the present point; `None` where no column has it.
