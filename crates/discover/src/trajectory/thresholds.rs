@@ -77,7 +77,7 @@ family! {
         /// Most steps.
         max_steps: usize = 8, unit "steps", source "set by hand";
         /// Further steps for laws that jump.
-        event_steps: usize = 16, unit "steps", source "an event moves by one interval a step: the linearised laws do not know the other side";
+        event_steps: usize = 16, unit "steps", source "an event moves by one interval a step; of the 40 bodies of crates/studies/friction at 1 % of noise 4 stay unsettled without them, 2 with them";
         /// Largest step of a state at which the fit has converged.
         state_step: f64 = 0.02, unit "noise of the sensor", source "set by hand";
         /// Largest step of the logarithm of a noise at which the fit has converged.

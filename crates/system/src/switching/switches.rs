@@ -24,6 +24,16 @@ fn has_domain(f: Func) -> bool {
     !f.domain.is_empty()
 }
 
+/// Whether a term has such a call, within its arguments and sums too.
+fn has_call(term: &Term, wanted: &dyn Fn(Func, &[Expr]) -> bool) -> bool {
+    let within = |e: &Expr| e.terms().any(|(_, t)| has_call(t, wanted));
+    term.factors().any(|(atom, _)| match atom {
+        Atom::Signal(_) => false,
+        Atom::Call(f, args) => wanted(*f, args) || args.iter().any(within),
+        Atom::Sum(inner) => within(inner),
+    })
+}
+
 impl Switches {
     /// The signal that stands for a switch: no declared variable leads time.
     pub fn signal(switch: usize) -> Signal {
@@ -32,30 +42,18 @@ impl Switches {
 
     /// Whether a term has a function that may switch.
     pub fn are_in(term: &Term) -> bool {
-        let within = |e: &Expr| e.terms().any(|(_, t)| Switches::are_in(t));
-        term.factors().any(|(atom, _)| match atom {
-            Atom::Signal(_) => false,
-            Atom::Call(f, args) => is_switching(*f) || args.iter().any(within),
-            Atom::Sum(inner) => within(inner),
-        })
+        has_call(term, &|f, _| is_switching(f))
     }
 
     /// Whether a term jumps where one of these signals passes a value.
     pub fn jumps_in(term: &Term, signals: &dyn Fn(Signal) -> bool) -> bool {
-        let within = |e: &Expr| e.terms().any(|(_, t)| Switches::jumps_in(t, signals));
         let depends = |e: &Expr| {
             let mut found = false;
             e.for_each_signal(&mut |s| found |= signals(s));
             found
         };
-        term.factors().any(|(atom, _)| match atom {
-            Atom::Signal(_) => false,
-            Atom::Call(f, args) => {
-                let jumps = matches!(f.name, "sign" | "step");
-                jumps && args.iter().any(depends) || args.iter().any(within)
-            }
-            Atom::Sum(inner) => within(inner),
-        })
+        let jumps = |f: Func| matches!(f.name, "sign" | "step");
+        has_call(term, &|f, args| jumps(f) && args.iter().any(depends))
     }
 
     pub fn len(&self) -> usize {

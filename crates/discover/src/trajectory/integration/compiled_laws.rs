@@ -172,7 +172,7 @@ impl CompiledLaws {
         let mut inputs = system.evaluation_signals();
         let rates = inputs[self.states..self.states + self.laws].to_vec();
         let columns = system.columns.iter();
-        let columns = columns.map(|t| switches.rewritten(t.clone().into(), &rates));
+        let columns = columns.map(|t| switches.rewritten(t, &rates));
         let columns: Vec<Expr> = columns.collect();
         inputs.extend(switches.signals());
         Cow::Owned(tape(&columns, &inputs))

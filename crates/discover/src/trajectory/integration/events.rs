@@ -92,7 +92,7 @@ impl ShootingIntegrator<'_> {
         };
         let (n, p) = (self.laws.states, self.width());
         out.columns[slot * n * p..(slot + 1) * n * p].fill(0.0);
-        self.begin(&passage.group, states, work)?;
+        self.place(&passage.group, states, work);
         passage.settle_at_start(work)?;
         while passage.part < 1.0 {
             passage.step(work, out)?;
@@ -138,7 +138,7 @@ impl Passage<'_> {
             return Ok(());
         }
         let (point, scratch) = (&mut work.points[0], &mut work.scratch);
-        let laws = (self.integrator).at_point(&self.group, self.group.part(0, 0.0), point, scratch);
+        let laws = (self.integrator).at_point(&self.group, self.part, point, scratch);
         let mut laws = laws.ok_or(Diverged)?;
         let rates = SlidingRates::measure(&mut laws, contacts, &mut self.sides)?;
         rates.decide(&mut self.modes, &mut self.sides);
@@ -149,7 +149,6 @@ impl Passage<'_> {
     /// Rates and derivatives at the present point, with the present sides.
     fn begin_piece(&mut self, work: &mut Workspace) -> Result<(), Diverged> {
         self.group.sliding = self.modes.sliding().collect();
-        self.group.set_within(self.part, self.part);
         let point = &mut work.points[0];
         point[self.switches.first..].copy_from_slice(&self.sides);
         let local = (&mut work.scratch, &mut work.local[0]);
@@ -271,8 +270,7 @@ impl Passage<'_> {
     }
 
     /// How the present point was reached.
-    fn arrival(&mut self, switch: usize, work: &mut Workspace) -> Result<Arrival, Diverged> {
-        self.group.set_within(self.part, self.part);
+    fn arrival(&self, switch: usize, work: &mut Workspace) -> Result<Arrival, Diverged> {
         let (point, scratch) = (&mut work.points[0], &mut work.scratch);
         let laws = (self.integrator).at_point(&self.group, self.part, point, scratch);
         let mut laws = laws.ok_or(Diverged)?;

@@ -5,8 +5,8 @@
 
 use crate::trajectory::model::Impulse;
 use crate::trajectory::thresholds::SHOOTING;
-use sidc_lang::term::{Expr, Signal, Tape};
-use sidc_system::switching::Switches;
+use sidc_lang::term::{Expr, Signal, Tape, Term};
+use sidc_system::switching::{Mode, Switches};
 
 /// Guards of the active laws, compiled.
 pub(crate) struct LawSwitches {
@@ -41,6 +41,11 @@ impl LawSwitches {
         (signals, impulses): (&[Signal], &[Impulse]),
         (states, laws): (usize, usize),
     ) -> Option<(Vec<Expr>, LawSwitches)> {
+        // Most laws do not jump, and laws are compiled for every fit.
+        let jumps = |e: &Expr| e.terms().any(|(_, t)| Switches::jumps_in(t, &|_| true));
+        if !values.iter().any(jumps) {
+            return None;
+        }
         let mut switches = Switches::default();
         let rates = &signals[states..states + laws];
         let smooth = values.iter().map(|e| switches.rewritten(e, rates));
@@ -89,7 +94,12 @@ impl LawSwitches {
     }
 
     /// A column with the switches of the laws as signals; one with a switch of its own stays as written.
-    pub fn rewritten(&self, column: Expr, rates: &[Signal]) -> Expr {
+    pub fn rewritten(&self, column: &Term, rates: &[Signal]) -> Expr {
+        let switches = Switches::are_in(column);
+        let column: Expr = column.clone().into();
+        if !switches {
+            return column;
+        }
         let mut more = self.switches.clone();
         let smooth = more.rewritten(&column, rates);
         if more.len() == self.len() {
@@ -110,11 +120,7 @@ impl LawSwitches {
         let (mut guards, mut work) = (Vec::new(), Vec::new());
         self.guards(points, count, &mut guards, &mut work);
         for (side, guard) in points[self.first * count..].iter_mut().zip(guards) {
-            *side = match guard {
-                g if g > 0.0 => 1.0,
-                g if g < 0.0 => -1.0,
-                _ => 0.0,
-            };
+            *side = Mode::of(guard).side();
         }
     }
 

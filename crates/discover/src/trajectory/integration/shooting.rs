@@ -160,13 +160,8 @@ impl ShootingIntegrator<'_> {
         Ok(())
     }
 
-    /// Sets states and rates at the start of the intervals.
-    pub(super) fn begin(
-        &self,
-        group: &StepGroup,
-        states: &[f64],
-        work: &mut Workspace,
-    ) -> Result<(), Diverged> {
+    /// Sets states and signals at the start of the intervals, and first guesses of the rates.
+    pub(super) fn place(&self, group: &StepGroup, states: &[f64], work: &mut Workspace) {
         let (n, m, count) = (self.laws.states, self.laws.laws, group.count());
         for points in &mut work.points {
             points.clear();
@@ -184,6 +179,18 @@ impl ShootingIntegrator<'_> {
         if let Some(switches) = &self.laws.switches {
             switches.set_sides(here, count);
         }
+    }
+
+    /// Sets states and rates at the start of the intervals.
+    fn begin(
+        &self,
+        group: &StepGroup,
+        states: &[f64],
+        work: &mut Workspace,
+    ) -> Result<(), Diverged> {
+        self.place(group, states, work);
+        let (n, m, count) = (self.laws.states, self.laws.laws, group.count());
+        let here = &mut work.points[0];
         let (scratch, local) = (&mut work.scratch, &mut work.local[0]);
         self.laws
             .evaluate(self.coefficients, here, count, scratch, local)?;

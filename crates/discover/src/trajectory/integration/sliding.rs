@@ -122,6 +122,31 @@ impl<'a> LawsAtPoint<'a> {
         Ok(DMatrix::identity(n, n) - along * gradients)
     }
 
+    /// Sets the sides of switches that come to rest within a small part of an interval of this length, and puts the state at rest. False if
+    /// none does.
+    fn settle(&mut self, interval: f64) -> Result<bool, Diverged> {
+        let mut guards = Vec::new();
+        (self.switches).guards(self.point, 1, &mut guards, &mut Vec::new());
+        let mut sides = self.sides().to_vec();
+        let flow = self.flow(&sides)?;
+        let near = SHOOTING.at_rest * interval;
+        let reaches = |k: &usize| guards[*k].abs() <= near * self.rate(*k, &flow).abs();
+        let contacts: Vec<usize> = (0..sides.len()).filter(reaches).collect();
+        if contacts.is_empty() {
+            return Ok(false);
+        }
+        let mut modes = Modes(guards.iter().map(|g| Mode::of(*g)).collect());
+        SlidingRates::measure(self, contacts, &mut sides)?.decide(&mut modes, &mut sides);
+        self.set_sides(&sides);
+        let sliding: Vec<usize> = modes.sliding().collect();
+        if !sliding.is_empty() {
+            let values = DMatrix::from_fn(sliding.len(), 1, |i, _| guards[sliding[i]]);
+            self.onto_guards(&sliding, values)?;
+            self.round_onto_guards(&sliding);
+        }
+        Ok(true)
+    }
+
     /// Takes what rounding left of guards of a single state off that state, so that they are exactly zero.
     fn round_onto_guards(&mut self, sliding: &[usize]) {
         let (n, mut guards) = (self.laws.states, Vec::new());
@@ -176,46 +201,27 @@ impl<'a> LawsAtPoint<'a> {
 
 impl CompiledLaws {
     /// Adds σ to the signals at the samples of a record, rows over all of them: at rest what keeps the guards at zero, and else their signs.
-    /// At rest the states are moved onto the guards, since signs of what slips leave of a speed say nothing. A switch is at rest where it gets there within a small part of the interval that begins there.
+    /// At rest the states are moved onto the guards, since signs of what slips leave of a speed say nothing.
     pub fn add_sides(&self, a: &[f64], record: &Record, points: &mut Vec<f64>) {
-        let Some(switches) = &self.switches else {
+        let Some(switches) = self.switches.as_ref().filter(|_| record.len() > 1) else {
             return;
         };
         let count = record.len();
         points.resize(self.inputs * count, 0.0);
         switches.set_sides(points, count);
-        let (mut guards, mut scratch) = (Vec::new(), Scratch::default());
-        switches.guards(points, count, &mut guards, &mut Vec::new());
+        let mut scratch = Scratch::default();
         for b in 0..count {
-            let k = b.min(count - 2);
-            let near = SHOOTING.at_rest * (record.time[k + 1] - record.time[k]);
             let own = (0..self.inputs).map(|row| points[row * count + b]);
             let mut point: Vec<f64> = own.collect();
+            let k = b.min(count - 2);
             let at = (record, k, (b - k) as f64);
             let Some(mut laws) = LawsAtPoint::new((self, a), at, &mut point, &mut scratch) else {
                 return;
             };
-            let mut sides = laws.sides().to_vec();
-            let Ok(flow) = laws.flow(&sides) else {
-                continue;
-            };
-            let guard = |k: &usize| guards[k * count + b];
-            let reaches = |k: &usize| guard(k).abs() <= near * laws.rate(*k, &flow).abs();
-            let contacts: Vec<usize> = (0..sides.len()).filter(reaches).collect();
-            if contacts.is_empty() {
-                continue;
-            }
-            let mut modes = Modes((0..sides.len()).map(|k| Mode::of(guard(&k))).collect());
-            if let Ok(rates) = SlidingRates::measure(&mut laws, contacts, &mut sides) {
-                rates.decide(&mut modes, &mut sides);
-                laws.set_sides(&sides);
-                let sliding: Vec<usize> = modes.sliding().collect();
-                let values = DMatrix::from_fn(sliding.len(), 1, |i, _| guard(&sliding[i]));
-                if !sliding.is_empty() && laws.onto_guards(&sliding, values).is_err() {
-                    continue;
-                }
-                laws.round_onto_guards(&sliding);
-                for (row, x) in laws.point.iter().enumerate() {
+            // Where the laws have no rates, the signs stay.
+            let settled = laws.settle(record.time[k + 1] - record.time[k]);
+            if settled.is_ok_and(|settled| settled) {
+                for (row, x) in point.iter().enumerate() {
                     points[row * count + b] = *x;
                 }
             }

@@ -1,12 +1,25 @@
-//! Unknown constants as exogenous signals that do not change.
+//! Exogenous signals that do not change along a record, unknown constants among them.
 //!
-//! In: a problem, values. Out: the problem with these values.
+//! In: a problem, values. Out: the problem with these signals, or with these values of them.
 
 use super::estimation_problem::Problem;
-use super::record::Record;
+use super::record::{Exogenous, Record};
 use sidc_lang::term::Signal;
 
 impl Problem {
+    /// Adds an exogenous signal that has one value along each record, unless it is there.
+    pub(super) fn add_constant_signal(&mut self, signal: Signal, value: &dyn Fn(&Record) -> f64) {
+        if self.system.exogenous.contains(&signal) {
+            return;
+        }
+        self.system.exogenous.push(signal);
+        self.system.noisy_exogenous.push(false);
+        for record in &mut self.records {
+            let values = vec![value(record); record.len()];
+            record.exogenous.push(Exogenous { values, held: true });
+        }
+    }
+
     /// The problem with these values of constants, each in all trajectories or in one; signals that no law mentions are left aside.
     pub(crate) fn with_constant_values(
         &self,

@@ -4,7 +4,6 @@
 //! of a guard is a signal that is zero along all records; integration gives it its effect where the guard is crossed.
 
 use super::estimation_problem::Problem;
-use super::record::Exogenous;
 use super::system::Impulse;
 use sidc_lang::term::{Atom, Expr, Signal, Term, VarId};
 use sidc_system::switching::Switches;
@@ -45,17 +44,7 @@ impl Problem {
     pub(crate) fn with_impulses(&self, impulses: Vec<Impulse>) -> Problem {
         let mut problem = self.clone();
         for impulse in &impulses {
-            if problem.system.exogenous.contains(&impulse.signal) {
-                continue;
-            }
-            problem.system.exogenous.push(impulse.signal);
-            problem.system.noisy_exogenous.push(false);
-            for record in &mut problem.records {
-                record.exogenous.push(Exogenous {
-                    values: vec![0.0; record.time.len()],
-                    held: true,
-                });
-            }
+            problem.add_constant_signal(impulse.signal, &|_| 0.0);
         }
         problem.system.impulses = impulses;
         problem.compile_columns();

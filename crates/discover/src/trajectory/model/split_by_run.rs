@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use super::estimation_problem::Problem;
-use super::record::Exogenous;
+use super::record::Record;
 use super::rejected_readings::LeftOut;
 use super::run_columns::{RunColumn, RunColumns};
 use sidc_lang::term::{Signal, Term, VarId};
@@ -102,19 +102,8 @@ impl Problem {
 
     fn add_indicators(&mut self, runs: &[usize]) {
         for run in runs {
-            let signal = indicator(*run);
-            if self.system.exogenous.contains(&signal) {
-                continue;
-            }
-            self.system.exogenous.push(signal);
-            self.system.noisy_exogenous.push(false);
-            for record in &mut self.records {
-                let value = f64::from(u8::from(record.trajectory == *run));
-                record.exogenous.push(Exogenous {
-                    values: vec![value; record.time.len()],
-                    held: true,
-                });
-            }
+            let marks = |record: &Record| f64::from(u8::from(record.trajectory == *run));
+            self.add_constant_signal(indicator(*run), &marks);
         }
     }
 
