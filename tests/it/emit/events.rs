@@ -1,6 +1,7 @@
 //! Exported steps with sticking, slipping and switching, run in each language with jumping inputs and compared with our own runs.
 //!
-//! Two systems: a drive with dry friction under a stepwise force, and two bodies with friction between ground and each other, coupled by their masses.
+//! Three systems: a drive with dry friction under a stepwise force, two bodies with friction between ground and each other, coupled by their
+//! masses, and a body on a belt whose speed jumps.
 
 use std::fs;
 use std::path::Path;
@@ -19,7 +20,7 @@ pub(super) struct System {
     states: usize,
 }
 
-pub(super) fn systems() -> [System; 2] {
+pub(super) fn systems() -> [System; 3] {
     let variable = |name: &str, kind: &str, order: u8| serde_json::json!({"name": name, "kind": kind, "order": order});
     let equation = |target: &str, terms: &[(&str, f64)]| {
         let terms: Vec<_> = terms
@@ -77,6 +78,17 @@ pub(super) fn systems() -> [System; 2] {
                 ],
             ),
             states: 4,
+        },
+        System {
+            name: "belt",
+            document: document(
+                vec![variable("x1", "state", 2), variable("u", "input", 0)],
+                vec![equation(
+                    "ddx1",
+                    &[("x1", -1.5), ("dx1", -0.2), ("sign(u - dx1)", 2.0)],
+                )],
+            ),
+            states: 2,
         },
     ]
 }

@@ -368,7 +368,7 @@ const RESERVED: &[&str] = &[
     "NaN", "Inf", "size", "isreal", "real_asin", "real_acos", "real_log", "real_sqrt", "real_power", "small_solve",
     "t", "state", "input", "parameter", "history", "constant", "rate", "slope", "slope_input", "output", "solved", "unknown", "settled", "step",
     "derivatives", "next", "jacobian", "jacobian_input", "outputs", "side", "guard", "guards", "rates_by_side", "guard_rates",
-    "advance", "run", "stops", "first_sides", "contacts", "decide", "held_sides", "least_sides", "margins", "classical",
+    "advance", "run", "stops", "first_sides", "contacts", "following", "decide", "held_sides", "least_sides", "margins", "classical",
 ];
 
 #[cfg(test)]

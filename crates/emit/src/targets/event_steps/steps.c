@@ -106,6 +106,32 @@ static int sidc_holds(double t, const double *state@ARGS@, const double *side, i
     return holds;
 }
 
+/* Lets go of guards that have moved away from zero or from their side, as by an input that jumped. */
+static void sidc_follow(double t, double h, const double *state@ARGS@, double *side)
+{
+    int apart[sidc_switches] = {0}, m = 0;
+    double guard[sidc_switches], start[sidc_switches], slope[sidc_switches][sidc_switches];
+    sidc_guards(t, state@PASS@, guard);
+    for (int k = 0; k < sidc_switches; k++) {
+        if (side[k] == 0.0 ? guard[k] != 0.0 : side[k] * guard[k] < 0.0) {
+            apart[m++] = k;
+        }
+    }
+    if (m == 0) {
+        return;
+    }
+    sidc_contacts(t, state@PASS@, side, m, apart, start, slope);
+    for (int i = 0; i < m; i++) {
+        double reach = h * fabs(start[i]);
+        for (int j = 0; j < m; j++) {
+            reach += h * fabs(slope[i][j]);
+        }
+        if (fabs(guard[apart[i]]) > 1e-7 * reach) {
+            side[apart[i]] = guard[apart[i]] < 0.0 ? -1.0 : 1.0;
+        }
+    }
+}
+
 /* Sides after an event. A guard at zero is held (0) if some side between -1 and 1 keeps it there; else it goes where the rates lead. */
 static void sidc_decide(double t, const double *state@ARGS@, double *side, const int *crossed)
 {
@@ -209,6 +235,7 @@ void sidc_advance(double t, double h, double *state@ARGS@, double *side)
 {
     double end[sidc_states], there[sidc_states], after[sidc_switches], guard[sidc_switches], done = 0.0;
     int crossed[sidc_switches];
+    sidc_follow(t, h, state@PASS@, side);
     for (int event = 0; event < 100; event++) {
         double low = 0.0, high = h - done;
         int same = 1;

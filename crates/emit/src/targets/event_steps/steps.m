@@ -6,7 +6,7 @@ function [state, side] = advance(t, state, h, side, varargin)
   if isempty(side)
     side = first_sides(t, state, varargin{:});
   end
-  side = side(:);
+  side = following(t, state, h, side(:), varargin{:});
   done = 0;
   for event = 1:100
     low = 0;
@@ -87,6 +87,17 @@ function [start, slope] = contacts(t, state, side, contact, varargin)
     moved = guard_rates(t, state, varargin{:}, side);
     side(contact(j)) = 0;
     slope(:, j) = moved(contact) - start;
+  end
+end
+
+function side = following(t, state, h, side, varargin)
+% Sides where no guard is held, or kept on a side, that has moved away from it, as by an input that jumped.
+  guard = guards(t, state, varargin{:});
+  apart = find((side == 0 & guard ~= 0) | side .* guard < 0);
+  if ~isempty(apart)
+    [start, slope] = contacts(t, state, side, apart, varargin{:});
+    gone = apart(abs(guard(apart)) > 1e-7 * h * (abs(start) + sum(abs(slope), 2)));
+    side(gone) = sign(guard(gone));
   end
 end
 

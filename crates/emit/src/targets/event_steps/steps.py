@@ -4,7 +4,7 @@ def advance(t, state, h, *arguments, side=None):
     """One step of length h with inputs held, cut at the events within it: the state at its end, and the sides of all guards for the next
     step. A side is 1, -1, or 0 where the guard is held at zero, as by dry friction at rest. Without sides those at the start are taken."""
     state = np.array(state, dtype=float)
-    side = settle(t, state, *arguments) if side is None else np.array(side, dtype=float)
+    side = settle(t, state, *arguments) if side is None else _following(t, state, h, arguments, side)
     done = 0.0
     for _ in range(100):
         left = h - done
@@ -69,11 +69,22 @@ def settle(t, state, *arguments):
     return _decide(t, state, arguments, np.sign(guard), guard == 0.0)
 
 
-def _decide(t, state, arguments, side, crossed):
-    """Sides after an event. A guard at zero is held if some side between -1 and 1 keeps it there; else it goes where the rates lead."""
+def _following(t, state, h, arguments, side):
+    """Sides where no guard is held, or kept on a side, that has moved away from it, as by an input that jumped."""
     side = np.array(side, dtype=float)
-    contact = np.flatnonzero(crossed | (side == 0.0))
-    rest = side.copy()
+    guard = guards(t, state, *arguments)
+    apart = np.flatnonzero(np.where(side == 0.0, guard != 0.0, side * guard < 0.0))
+    if len(apart) > 0:
+        start, slope = _contacts(t, state, arguments, side, apart)
+        reach = h * (np.abs(start) + np.abs(slope).sum(axis=1))
+        gone = apart[np.abs(guard[apart]) > 1e-7 * reach]
+        side[gone] = np.sign(guard[gone])
+    return side
+
+
+def _contacts(t, state, arguments, side, contact):
+    """The rates of guards that are contacts: start + slope times their sides."""
+    rest = np.array(side, dtype=float)
     rest[contact] = 0.0
     start = guard_rates(t, state, *arguments, rest)[contact]
     slope = np.zeros((len(contact), len(contact)))
@@ -81,6 +92,14 @@ def _decide(t, state, arguments, side, crossed):
         rest[k] = 1.0
         slope[:, j] = guard_rates(t, state, *arguments, rest)[contact] - start
         rest[k] = 0.0
+    return start, slope
+
+
+def _decide(t, state, arguments, side, crossed):
+    """Sides after an event. A guard at zero is held if some side between -1 and 1 keeps it there; else it goes where the rates lead."""
+    side = np.array(side, dtype=float)
+    contact = np.flatnonzero(crossed | (side == 0.0))
+    start, slope = _contacts(t, state, arguments, side, contact)
     attracts = np.diag(slope) < 0.0
     held, own = attracts.copy(), np.where(attracts, 0.0, np.where(start < 0.0, -1.0, 1.0))
     size = np.abs(start) + np.abs(slope).sum(axis=1)
@@ -109,12 +128,7 @@ def _held(t, state, arguments, side):
     if len(contact) == 0:
         return side
     full = np.array(side, dtype=float)
-    start = guard_rates(t, state, *arguments, full)[contact]
-    slope = np.zeros((len(contact), len(contact)))
-    for j, k in enumerate(contact):
-        full[k] = 1.0
-        slope[:, j] = guard_rates(t, state, *arguments, full)[contact] - start
-        full[k] = 0.0
+    start, slope = _contacts(t, state, arguments, side, contact)
     full[contact] = _solved(slope, -start)
     return full
 

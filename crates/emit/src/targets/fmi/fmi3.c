@@ -20,6 +20,7 @@ enum {
 
 typedef struct {
     double t, state[STATES + 1], input[INPUTS + 1], parameter[PARAMETERS + 1], side[GUARDS + 1];
+    double before[INPUTS + 1]; /* The inputs when event mode was entered. */
 } Values;
 
 typedef struct {
@@ -28,7 +29,7 @@ typedef struct {
     fmi3LogMessageCallback log;
 } Model;
 
-static const Values start = {0.0, {@STATES@}, {@INPUTS@}, {@PARAMETERS@}, {0.0}};
+static const Values start = {0.0, {@STATES@}, {@INPUTS@}, {@PARAMETERS@}, {0.0}, {0.0}};
 
 static fmi3Status refused(fmi3Instance instance, const char *why)
 {
@@ -139,12 +140,14 @@ fmi3Status fmi3ExitInitializationMode(fmi3Instance instance)
         }
     }
     settle(v);
+    memcpy(v->before, v->input, sizeof v->before);
     return fmi3OK;
 }
 
 fmi3Status fmi3EnterEventMode(fmi3Instance instance)
 {
-    (void)instance;
+    Values *v = &((Model *)instance)->now;
+    memcpy(v->before, v->input, sizeof v->before);
     return fmi3OK;
 }
 
@@ -284,7 +287,9 @@ fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance instance)
 fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *again, fmi3Boolean *terminate, fmi3Boolean *nominals,
                                     fmi3Boolean *states, fmi3Boolean *has_next, fmi3Float64 *next)
 {
-    decide(&((Model *)instance)->now);
+    Values *v = &((Model *)instance)->now;
+    decide(v);
+    memcpy(v->before, v->input, sizeof v->before);
     *again = *terminate = *nominals = *states = *has_next = fmi3False;
     *next = 0.0;
     return fmi3OK;

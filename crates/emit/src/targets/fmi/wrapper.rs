@@ -121,8 +121,19 @@ const MARGINS: &str = "    double full[GUARDS], guard[GUARDS];
         margin[k] = v->side[k] == 0.0 ? 1.0 - fabs(full[k]) : v->side[k] * guard[k];
     }";
 
+/// A guard that an input moved by a jump is let go; one that the motion took to zero is decided.
 const DECIDE: &str = "    int crossed[GUARDS], any = 0;
-    double margin[GUARDS];
+    double margin[GUARDS], guard[GUARDS], unmoved[GUARDS];
+    const Values now = *v;
+    sidc_guards(v->t, v->state@PASS@, guard);
+    memcpy(v->input, v->before, sizeof v->input);
+    sidc_guards(v->t, v->state@PASS@, unmoved);
+    memcpy(v->input, now.input, sizeof v->input);
+    for (int k = 0; k < GUARDS; k++) {
+        if (guard[k] != unmoved[k] && guard[k] != 0.0 && v->side[k] * guard[k] <= 0.0) {
+            v->side[k] = guard[k] < 0.0 ? -1.0 : 1.0;
+        }
+    }
     margins(v, margin);
     for (int k = 0; k < GUARDS; k++) {
         crossed[k] = margin[k] < 0.0;
