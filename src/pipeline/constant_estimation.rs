@@ -5,9 +5,7 @@
 use sidc_data::{Dataset, Samples};
 use sidc_discover as discover;
 use sidc_discover::unknown_constants;
-use sidc_lang::diagnostic::Diagnostic;
-use sidc_lang::model::{Model, RightSide};
-use sidc_lang::term::{Signal, SignalNames, VarId};
+use sidc_lang::term::{Signal, SignalNames};
 use sidc_progress::Observer;
 use sidc_system::discovery::{Discovery, UnknownValue};
 
@@ -48,37 +46,6 @@ pub(super) fn estimate(
         }
     }
     Some(values)
-}
-
-/// An unknown constant that occurs only in equations with `=`, where only the joint estimate can find it.
-pub(super) fn only_in_known_equations(program: &Program) -> Option<VarId> {
-    let model = &program.model;
-    let (mut given, mut sought) = (Vec::new(), Vec::new());
-    for (equation, library) in model.equations.iter().zip(&program.libraries) {
-        sought.extend(library.iter().flat_map(|l| l.signals()).map(|s| s.var));
-        match &equation.right {
-            RightSide::Known(e) => e.for_each_signal(&mut |s| given.push(s.var)),
-            RightSide::Search { known, .. } => {
-                let known = known.iter().map(|(e, _)| e);
-                known.for_each(|e| e.for_each_signal(&mut |s| sought.push(s.var)));
-            }
-        }
-    }
-    let mut unknowns = model.unknowns.iter().map(|u| u.var);
-    unknowns.find(|u| given.contains(u) && !sought.contains(u))
-}
-
-pub(super) fn not_estimated(model: &Model, unknown: VarId) -> Diagnostic {
-    let name = model.variable(unknown);
-    let text = format!(
-        "{name} stands only in equations that are given, and regression estimates no constant of those"
-    );
-    let d = Diagnostic::error("unknown-not-estimated", text);
-    let d = match model.var(unknown).and_then(|v| v.span) {
-        Some(span) => d.at(span, "declared here"),
-        None => d,
-    };
-    d.help("leave --method to the program on noisy readings, or write the equation with `~` and the terms that it may have")
 }
 
 /// Adds the constants' values and standard errors to a discovery, and the variance that they cause to that of the coefficients.

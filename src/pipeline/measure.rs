@@ -148,10 +148,17 @@ pub fn measure(
     {
         diagnostics.push(memory_unused(&model.name(name)));
     }
-    if joint.is_err()
-        && let Some(given) = constant_estimation::only_in_known_equations(program)
-    {
-        diagnostics.push(constant_estimation::not_estimated(model, given));
+    if !model.unknowns.is_empty() {
+        let method = Method::Joint;
+        let jointly = discover::Options { method, ..*search };
+        // Where all equations are given, regression knows as little of constants that only act together.
+        let other = (joint.is_err() && program.libraries.iter().all(Option::is_none))
+            .then(|| together(program, &jointly, observer));
+        let problem = joint
+            .as_ref()
+            .ok()
+            .or(other.as_ref().and_then(|o| o.as_ref().ok()));
+        diagnostics.extend(problem.map_or_else(Vec::new, |p| discover::untold(model, p)));
     }
     let joint = joint.ok();
     diagnostics.extend(found);

@@ -338,8 +338,10 @@ impl Proposal {
     /// What is found: the laws and the time constant.
     fn equations(&self) -> Vec<String> {
         let found = &self.found;
-        let searched = found.equations.iter().filter(|e| e.status != Status::Known);
-        let laws = searched.map(|e| found.in_short(e, MISSING.figures));
+        let searched = |e: &&Equation| e.terms.iter().any(|t| !t.fixed);
+        let all_given = !found.equations.iter().any(|e| searched(&e));
+        let laws = found.equations.iter().filter(|e| all_given || searched(e));
+        let laws = laws.map(|e| found.in_short(e, MISSING.figures));
         let constants = found.unknowns.iter().map(|u| {
             let value = significant(u.value, MISSING.figures);
             format!("{} = {value}", u.name)

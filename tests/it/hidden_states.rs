@@ -188,6 +188,17 @@ fn parameters_that_no_reading_tells_apart_are_named() {
         .replace("unknown tau", "unknown k in 0.01..100\nunknown tau")
         .replace("(Q - H)", "(k*Q - H)")
         .replace("T^2, H, Q", "H");
+    fs::write(folder.path().join("m.sid"), &model).unwrap();
+    fs::write(folder.path().join("d.csv"), heater(3, 0.1)).unwrap();
+    let run = sidc_in(folder.path(), &["identify", "m.sid", "d.csv"]);
+    let refused = "error[unidentifiable-constant]: no readings can tell k: only its product with coef(dT, H) acts on what is read";
+    assert!(
+        run.status == 1 && run.stderr.contains(refused),
+        "{}",
+        run.stderr
+    );
+    // Of laws that may switch it is told after the search.
+    let model = model.replace("H>", "H, abs(Q - 50)>");
     let (run, document) = identify(folder.path(), &model, &heater(3, 0.1), &[]);
     assert_eq!(run.status, 3, "{}", run.stdout);
     let reasons = document["equations"][1]["reasons"].as_array().unwrap();

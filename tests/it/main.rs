@@ -25,6 +25,7 @@ mod drafts;
 mod editor;
 mod emit;
 mod gallery;
+mod given_laws;
 mod growing_noise;
 mod hidden_states;
 mod holdout;

@@ -9,7 +9,7 @@ use crate::constrained::coupled_equations::CoupledGroup;
 use crate::constrained::{constraint_check, coupled_equations};
 use crate::doubts::dependent_states::{doubt_dependent_states, states_in_samples};
 use crate::early_stop::doubt_unassessed;
-use crate::known_terms::{fixed_terms, stated};
+use crate::known_terms::{fixed_terms, is_estimated_if_given, stated};
 use crate::options::{Method, Options};
 use crate::redundancy;
 use crate::refusal::Refusal;
@@ -64,19 +64,20 @@ pub fn discover(
     let mut watcher = EquationObserver::new(observer);
     let tied = constraint_rows(model, libraries);
     let groups = coupled_groups(&tied, model.equations.len());
-    let task = |i: usize| -> Option<(usize, Task)> {
+    let task_with = |i: usize, library| -> Option<Task> {
         let equation = model.equations.get(i)?;
-        let task = Task {
+        Some(Task {
             target: equation.target,
             known: fixed_terms(&equation.right),
-            library: libraries.get(i)?.as_ref()?,
+            library,
             model,
             dataset,
             samples,
             options,
-        };
-        Some((i, task))
+        })
     };
+    let task = |i: usize| Some((i, task_with(i, libraries.get(i)?.as_ref()?)?));
+    let no_candidates = Library::default();
     let untied = |i: &usize| !groups.iter().any(|g| g.contains(i));
     let untied: Vec<usize> = (0..model.equations.len()).filter(untied).collect();
     let group = |members: &Vec<usize>| {
@@ -109,8 +110,11 @@ pub fn discover(
             continue;
         }
         if !libraries.get(i).is_some_and(Option::is_some) {
-            let known = fixed_terms(&equation.right);
-            done[i] = Some(Ok(stated(equation.target, known)));
+            let read = samples.column(equation.target).is_some();
+            let estimated = read && is_estimated_if_given(model, &equation.right);
+            let given = task_with(i, &no_candidates).filter(|_| estimated);
+            let as_stated = || stated(equation.target, fixed_terms(&equation.right));
+            done[i] = Some(Ok(given.map_or_else(as_stated, |task| task.judge_given())));
             continue;
         }
         let Some(members) = groups.iter().find(|g| g.contains(&i)) else {

@@ -3,7 +3,7 @@
 //! In: right-hand sides. Out: terms with fixed coefficients. Never estimates anything.
 
 use sidc_lang::library::known_terms;
-use sidc_lang::model::RightSide;
+use sidc_lang::model::{Model, RightSide};
 use sidc_lang::term::{Signal, Term};
 use sidc_system::discovery::{Equation, FoundTerm, Status};
 
@@ -13,6 +13,22 @@ pub(crate) fn fixed_terms(right: &RightSide) -> Vec<(f64, Term)> {
         RightSide::Known(e) => known_terms([e]),
         RightSide::Search { known, .. } => known_terms(known.iter().map(|(e, _)| e)),
     }
+}
+
+/// Whether the data decide about an equation that the model gives: it holds unknown constants, or all equations are given.
+pub(crate) fn is_estimated_if_given(model: &Model, right: &RightSide) -> bool {
+    let unknown = |t: &Term| {
+        model
+            .unknowns
+            .iter()
+            .any(|u| t.mentions(Signal::new(u.var)))
+    };
+    let is_given = |right: &RightSide| match right {
+        RightSide::Known(_) => true,
+        RightSide::Search { library, .. } => library.is_none(),
+    };
+    model.equations.iter().all(|e| is_given(&e.right))
+        || fixed_terms(right).iter().any(|(_, t)| unknown(t))
 }
 
 /// An equation that the model states completely.

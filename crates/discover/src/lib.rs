@@ -43,7 +43,7 @@ pub use doubts::regression_rules::tie;
 pub use early_stop::{doubt_unassessed, unverified};
 pub use joint::no_fit::nothing_fits;
 pub use joint::{
-    Description, Fitted, NotJoint, SearchScope, describe_jointly, discover_jointly, joint,
+    Description, Fitted, NotJoint, SearchScope, describe_jointly, discover_jointly, joint, untold,
 };
 pub use needed_signals::needed_signals;
 pub use options::{METHODS, Method, Options};
@@ -72,6 +72,7 @@ pub fn thresholds() -> Vec<sidc_thresholds::Table> {
         uncertainty::thresholds::tables(),
         trajectory::tables(),
         trajectory::hidden_states::thresholds::tables(),
+        trajectory::structural::thresholds::tables(),
         weak_form::tables(),
         scaled_design::thresholds::tables(),
         verify::thresholds::tables(),

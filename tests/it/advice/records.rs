@@ -191,12 +191,18 @@ pub fn unidentifiable() -> Scenario {
             -0.5
         }
     };
-    let rate = move |t: f64, z: &[f64; 2]| [z[1] - 0.5 * z[0], (level(t) - z[1]) / 2.0];
+    let rate = move |t: f64, z: &[f64; 2]| {
+        [
+            z[1] - 0.5 * z[0] - 0.4 * z[0] * z[0],
+            (level(t) - z[1]) / 2.0,
+        ]
+    };
     let [x, _] = motion(rate, [0.2, 0.0], step, 600);
     let u: Vec<f64> = (0..600).map(|k| level(f64::from(k) * step)).collect();
     let data = record(step, &[("x", &read(&x, 0.01, 7)), ("u", &u)]);
     let model = "unknown k in 0.1..10\nunknown tau in 0.1..50\nstate x\nstate f : hidden\ninput u : hold\n\
-                 df = (k*u - f)/tau\ndx ~ <x, f>\n";
+                 df = (k*u - f)/tau\ndx ~ <x, x^2, f, abs(u)>\n";
+    // Of laws with candidates that switch nothing is said before the search.
     Scenario::words(Case::new(model, data), |case, _| {
         case.rewritten("unknown k in 0.1..10", "let k = 1")
     })

@@ -64,6 +64,12 @@ pub(crate) fn doubts(case: &RegressionCase) -> Vec<Reason> {
     reasons
 }
 
+/// What the residual alone speaks of.
+pub(crate) fn residual_doubts(case: &RegressionCase) -> Vec<Reason> {
+    let rules = [poor_fit, misfit, badly_fitted_rows_doubt, coloured];
+    rules.iter().filter_map(|rule| rule(case)).collect()
+}
+
 fn noisy(e: &Evidence) -> bool {
     e.residual > DOUBTS.noisy
 }
@@ -247,9 +253,31 @@ fn badly_fitted_rows_doubt(c: &RegressionCase) -> Option<Reason> {
     })
 }
 
+/// Residuals that are a function of a signal.
+pub(crate) fn lack_of_fit(
+    evidence: &Evidence,
+    signal: &str,
+    along: ResidualAutocorrelation,
+) -> Option<Reason> {
+    (exceeds(along) && evidence.residual > DOUBTS.negligible_residual).then(|| {
+        Reason::new(
+            ReasonCode::ColouredResiduals,
+            format!(
+                "rows of similar {signal} leave similar residuals (autocorrelation {:.2}, chance allows {:.2}): the target depends \
+                 otherwise on {signal}, or a term is missing",
+                along.value, along.bound
+            ),
+        )
+    })
+}
+
+fn exceeds(m: ResidualAutocorrelation) -> bool {
+    m.value.abs() > m.bound.max(DOUBTS.autocorrelation)
+}
+
 fn coloured(c: &RegressionCase) -> Option<Reason> {
     let m = c.residuals.autocorrelation?;
-    (m.value.abs() > m.bound.max(DOUBTS.autocorrelation) && c.evidence.residual > DOUBTS.negligible_residual).then(|| {
+    (exceeds(m) && c.evidence.residual > DOUBTS.negligible_residual).then(|| {
         Reason::new(
             ReasonCode::ColouredResiduals,
             format!(

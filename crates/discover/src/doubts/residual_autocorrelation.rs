@@ -47,6 +47,20 @@ pub(crate) fn measure(left: &[f64], samples: &Samples) -> Option<ResidualAutocor
     })
 }
 
+/// The same of rows in the order of a signal's values: right laws leave white residuals in every order (a test of lack of fit; Hart 1997,
+/// Nonparametric Smoothing and Lack-of-Fit Tests, chapter 5).
+pub(crate) fn along(left: &[f64], signal: &[f64]) -> Option<ResidualAutocorrelation> {
+    let mut order: Vec<usize> = (0..left.len()).collect();
+    order.sort_by(|a, b| signal[*a].total_cmp(&signal[*b]));
+    let rows = Samples {
+        trajectory: vec![0; order.len()],
+        time: (0..order.len()).map(|k| k as f64).collect(),
+        columns: Vec::new(),
+    };
+    let left: Vec<f64> = order.iter().map(|k| left[*k]).collect();
+    measure(&left, &rows)
+}
+
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {

@@ -6,6 +6,7 @@ use std::borrow::Cow;
 
 use crate::joint::constrained_search::ConstrainedAnswer;
 use crate::joint::joint_fit::JointFit;
+use crate::joint::unknown_constants::Constants;
 use crate::selection::thresholds::TERM_SELECTION;
 use crate::trajectory::{
     Parameter, Problem, SoughtConstant, ToldScale, exchanged_constants, exchanged_lags,
@@ -108,7 +109,8 @@ pub(crate) fn doubt(
     watcher: &mut EquationObserver,
 ) {
     let (problem, found) = (&fit.problem, &fit.found);
-    if problem.system.hidden.is_empty() || watcher.stop().is_some() {
+    let nothing_hidden = problem.system.hidden.is_empty() && constants.is_empty();
+    if nothing_hidden || watcher.stop().is_some() {
         return;
     }
     // Constants that were held at their start are among the parameters, too.
@@ -149,46 +151,69 @@ pub(crate) fn doubt(
             "the readings do not tell in which order lags follow each other: {written} follow them as well"
         )),
         None => exchanged_constants(problem, found, constants, tie, watcher).map(|twin| {
-            let values = twin.constants.iter();
-            let value = |c: &SoughtConstant| significant(c.value, FIGURES);
-            let named = values.map(|c| format!("{} = {}", model.name(c.signal), value(c)));
-            let named: Vec<String> = named.collect();
-            let laws = laws(model, problem, &twin.terms);
+            let values = values_of(model, &twin.constants);
+            let with = match laws(model, problem, &twin.terms) {
+                laws if laws.is_empty() => String::new(),
+                laws => format!(" with {laws}"),
+            };
             format!(
-                "the readings are followed as well by other values in the same laws: {} with {laws}",
-                named.join(", ")
+                "the readings are followed as well by other values in the same laws: {values}{with}"
             )
         }),
     };
     if let Some(text) = text {
         let way = "state one of the coefficients, as `known(…)`, or measure what is hidden";
         let reason = Reason::new(ReasonCode::Tie, text).remedy(way);
-        discovery.doubt_each(|_, e| {
-            let searched = problem.system.laws.iter().find(|l| l.target == e.target)?;
-            (!searched.columns.is_empty()).then(|| reason.clone())
-        });
+        discovery.doubt_each(|_, _| Some(reason.clone()));
     }
 }
 
-fn unidentifiable(moves: &[(String, f64)]) -> Reason {
-    if let [(name, _)] = moves {
-        let text = format!(
-            "the readings do not tell {name}: a hidden state may have any scale beside it, and nothing that is read changes"
-        );
-        return Reason::new(ReasonCode::Unidentifiable, text);
+/// Doubts constants of which other values follow the readings as well, with the same terms.
+pub(crate) fn doubt_twins(model: &Model, twins: &[Constants], discovery: &mut Discovery) {
+    let Some(twin) = twins.first() else { return };
+    let known = discovery.doubt_codes();
+    if known.contains(&ReasonCode::Tie) || known.contains(&ReasonCode::Unidentifiable) {
+        return;
     }
-    // Per cent along the direction, for a step in which the parameter that changes most doubles or halves.
+    let values = values_of(model, twin.sought());
+    let text =
+        format!("the readings are followed as well by other values in the same laws: {values}");
+    let way = "narrow a range, state one of the constants, or measure what is hidden";
+    let reason = Reason::new(ReasonCode::Tie, text).remedy(way);
+    discovery.doubt_each(|_, _| Some(reason.clone()));
+}
+
+fn values_of(model: &Model, constants: &[SoughtConstant]) -> String {
+    let value = |c: &SoughtConstant| significant(c.value, FIGURES);
+    let named = constants.iter();
+    let named = named.map(|c| format!("{} = {}", model.name(c.signal), value(c)));
+    named.collect::<Vec<_>>().join(", ")
+}
+
+fn unidentifiable(moves: &[(String, f64)]) -> Reason {
+    let text = match moves {
+        [(name, _)] => format!(
+            "the readings do not tell {name}: {ANY_SCALE}, and nothing that is read changes"
+        ),
+        _ => format!(
+            "the readings do not tell these parameters one by one: {}",
+            changes_nothing(moves)
+        ),
+    };
+    Reason::new(ReasonCode::Unidentifiable, text)
+}
+
+pub(super) const ANY_SCALE: &str = "a hidden state may have any scale beside it";
+
+/// Per cent along a direction, for a step in which the parameter that changes most doubles or halves.
+fn changes_nothing(moves: &[(String, f64)]) -> String {
     let told = |(name, power): &(String, f64)| {
         let by = 100.0 * (2.0_f64.powf(*power) - 1.0);
         let way = if by > 0.0 { "rises" } else { "falls" };
         format!("{name} {way} by {} %", significant(by.abs(), 2))
     };
     let moves: Vec<String> = moves.iter().map(told).collect();
-    let text = format!(
-        "the readings do not tell these parameters one by one: nothing that is read changes where {}",
-        moves.join(" and ")
-    );
-    Reason::new(ReasonCode::Unidentifiable, text)
+    format!("nothing that is read changes where {}", moves.join(" and "))
 }
 
 fn named(
@@ -203,12 +228,14 @@ fn named(
             let name = model.name(constants[k].signal);
             run.map_or(name.clone(), |run| format!("{name} of {run}"))
         }
-        Parameter::Coefficient(j) => {
-            let target = problem.system.laws[problem.system.law_of(j)].target;
-            let term = Language(model).term(problem.term(j));
-            format!("coef({}, {term})", model.name(target))
-        }
+        Parameter::Coefficient(j) => coefficient(model, problem, j),
     }
+}
+
+pub(super) fn coefficient(model: &Model, problem: &Problem, column: usize) -> String {
+    let target = problem.system.laws[problem.system.law_of(column)].target;
+    let term = Language(model).term(problem.term(column));
+    format!("coef({}, {term})", model.name(target))
 }
 
 /// The searched laws of columns with coefficients, on one line.

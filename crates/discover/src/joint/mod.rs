@@ -20,6 +20,7 @@ mod pooled_search;
 mod report;
 mod search_with_constants;
 mod stated_constraints;
+mod structural;
 pub(crate) mod thresholds;
 mod unknown_constants;
 mod weak_start;
@@ -27,6 +28,7 @@ mod weak_start;
 pub use applicability::{NotJoint, joint};
 pub use description::Description;
 pub use search_with_constants::SearchScope;
+pub use structural::untold;
 
 use std::sync::Arc;
 
@@ -43,7 +45,7 @@ use crate::joint::no_fit::measured_states;
 use crate::joint::report::Report;
 use crate::joint::search_with_constants::{Searched, search_with_constants, sketch_with_constants};
 use crate::joint::unknown_constants::Constants;
-use crate::known_terms::{fixed_terms, stated};
+use crate::known_terms::{fixed_terms, is_estimated_if_given, stated};
 use crate::options::Options;
 use crate::redundancy::doubt_redundant_equations;
 use crate::refusal::Refusal;
@@ -99,6 +101,7 @@ pub fn discover_jointly(
             hidden_states::state(model, &answer.fit, &scales, &mut discovery);
             let known = (model, constants.sought());
             hidden_states::doubt(known, &answer.fit, &mut discovery, watcher);
+            hidden_states::doubt_twins(model, &ended.searched.twins, &mut discovery);
             let fit = (&answer.fit.problem, &answer.fit.found);
             constants.state(model, (fit.0, fit.1), &mut discovery, watcher);
             Ok(Some((discovery, fitted)))
@@ -179,10 +182,7 @@ fn search_jointly<T>(
         None => search_with_constants(of, data, starts, options, watcher),
         Some(scope) => sketch_with_constants(of, data, (starts, scope), options, watcher),
     };
-    let nothing = || Searched {
-        outcome: SearchOutcome::Nothing,
-        constants: Constants::none(),
-    };
+    let nothing = || Searched::new(SearchOutcome::Nothing, Constants::none());
     let ended = Ended {
         searched: searched.unwrap_or_else(nothing),
         delays: &delays,
@@ -220,8 +220,9 @@ fn equations(
         channels: trajectory::channels(problem, &found.best),
     };
     for law in &problem.system.laws {
-        let known = fixed_terms(&model.equations[law.equation].right);
-        if law.columns.is_empty() {
+        let right = &model.equations[law.equation].right;
+        let known = fixed_terms(right);
+        if law.columns.is_empty() && !is_estimated_if_given(model, right) {
             discovery.equations.push(stated(law.target, known));
             continue;
         }

@@ -15,6 +15,7 @@ use crate::joint::joint_fit::{JointFit, unexplained};
 use crate::joint::unknown_constants::Constants;
 use crate::joint::weak_start::weak_start;
 use crate::options::Options;
+use crate::selection::thresholds::TERM_SELECTION;
 use crate::trajectory::{CONSTANTS, FittedConstants, HIDDEN, Problem, StartingSupport};
 use sidc_data::Dataset;
 use sidc_lang::library::Library;
@@ -25,6 +26,18 @@ use sidc_progress::EquationObserver;
 pub(crate) struct Searched<'a> {
     pub outcome: SearchOutcome<'a>,
     pub constants: Constants,
+    /// Constants at other ends of the search whose answer has the same terms and is as good.
+    pub twins: Vec<Constants>,
+}
+
+impl<'a> Searched<'a> {
+    pub fn new(outcome: SearchOutcome<'a>, constants: Constants) -> Searched<'a> {
+        Searched {
+            outcome,
+            constants,
+            twins: Vec::new(),
+        }
+    }
 }
 
 /// Searches from each start and returns the best result.
@@ -35,18 +48,22 @@ pub(crate) fn search_with_constants<'a>(
     options: &'a Options,
     watcher: &mut EquationObserver,
 ) -> Option<Searched<'a>> {
-    let mut best: Option<Searched> = None;
+    let mut all: Vec<Searched> = Vec::new();
     let search = ConstantSearch { of, data, options };
     for start in starts {
-        let searched = search.search_from(start, watcher);
-        if best.as_ref().is_none_or(|b| searched.value() < b.value()) {
-            best = Some(searched);
-        }
+        all.push(search.search_from(start, watcher));
         if watcher.stop().is_some() {
             break;
         }
     }
-    best
+    all.sort_by(|a, b| a.value().total_cmp(&b.value()));
+    let mut all = all.into_iter();
+    let mut best = all.next()?;
+    best.twins = all
+        .filter(|other| other.is_twin_of(&best))
+        .map(|other| other.constants)
+        .collect();
+    Some(best)
 }
 
 /// A short search from each start, and the best of them: it shows how well a model can describe the readings. Terms are searched at the
@@ -71,6 +88,21 @@ pub(crate) fn sketch_with_constants<'a>(
 }
 
 impl Searched<'_> {
+    /// Whether the readings are followed as well by the same terms with other constants.
+    fn is_twin_of(&self, best: &Searched) -> bool {
+        let (SearchOutcome::Answer(own), SearchOutcome::Answer(other)) =
+            (&self.outcome, &best.outcome)
+        else {
+            return false;
+        };
+        let (own, other) = (&own.fit.found, &other.fit.found);
+        let tie = TERM_SELECTION.tie * other.inefficiency;
+        own.best.converged
+            && own.best.support() == other.best.support()
+            && own.best.value < other.best.value + tie
+            && !self.constants.is_at(&best.constants)
+    }
+
     fn value(&self) -> f64 {
         match &self.outcome {
             SearchOutcome::Answer(a) => a.fit.found.best.value,
@@ -119,7 +151,7 @@ impl<'a> ConstantSearch<'a> {
             };
             let mut outcome = self.search_at(&constants, start.take(), scope, watcher);
             let SearchOutcome::Answer(answer) = &mut outcome else {
-                return Searched { outcome, constants };
+                return Searched::new(outcome, constants);
             };
             let laws = match known.take().filter(|k| k.is_of(&answer.fit)) {
                 Some(known) => known.laws,
@@ -141,7 +173,7 @@ impl<'a> ConstantSearch<'a> {
                 known = Some(KnownLaws::new(&answer.fit, laws));
             } else {
                 add_rivals(answer, &laws);
-                return Searched { outcome, constants };
+                return Searched::new(outcome, constants);
             }
         }
     }
@@ -159,7 +191,7 @@ impl<'a> ConstantSearch<'a> {
         let outcome = self.search_terms((&acting, &at), None, SearchScope::Terms, watcher);
         let SearchOutcome::Answer(answer) = outcome else {
             let outcome = SearchOutcome::Nothing;
-            return Searched { outcome, constants };
+            return Searched::new(outcome, constants);
         };
         let of = (answer.fit.problem.as_ref(), &answer.fit.found);
         let constants = constants.likeliest_in(of, watcher).unwrap_or(constants);
@@ -168,7 +200,7 @@ impl<'a> ConstantSearch<'a> {
         let start = answer.fit.found.best.point.active();
         let outcome = self.search_terms((&acting, &at), Some(start), scope, watcher);
         let outcome = outcome.into_owned();
-        Searched { outcome, constants }
+        Searched::new(outcome, constants)
     }
 
     /// One search of terms.

@@ -12,8 +12,9 @@ use crate::needed_signals::needed_signals;
 use crate::options::Options;
 use crate::trajectory::{
     Answer, CONSTANTS, FittedConstants, Found, HIDDEN, Parameter, Problem, SoughtConstant,
-    fit_constants, fit_constants_from, fit_proposed, laws_with_constants, likely_constants,
-    unidentifiable_directions, with_constant_values, with_started_states,
+    constants_by_runs, fit_constants, fit_constants_by_levels, fit_constants_from, fit_proposed,
+    laws_with_constants, likely_constants, unidentifiable_directions, with_constant_values,
+    with_started_states,
 };
 use crate::unknown_constants::{self, Sought};
 use sidc_data::{ConstantValue, Dataset, Samples, samples};
@@ -79,9 +80,12 @@ fn minima_with_hidden_states(
     let all = unknown_constants::sought(model, &runs);
     let ranges = model.unknowns.iter();
     let ranges = ranges.map(|u| (Signal::new(u.var), u.ranges())).collect();
-    let minima = likely_constants(problem, &ranges, watcher).into_iter();
+    let mut minima = likely_constants(problem, &ranges, watcher);
+    if problem.system.columns.is_empty() {
+        minima.extend(constants_by_runs(problem, &ranges, watcher));
+    }
     let each = |values: Vec<f64>| all.iter().map(|s| values[s.place]).collect();
-    let minima = minima.map(each).collect();
+    let minima = minima.into_iter().map(each).collect();
     (all, minima)
 }
 
@@ -99,8 +103,12 @@ fn likeliest(
         let constants = Constants::new(all, &values, &[]);
         let (at, acting) = (constants.problem(problem), constants.dataset(dataset));
         let start = weak_start((model, libraries), &acting, &at, options, watcher);
-        let fitted =
-            start.and_then(|s| fit_constants_from(&at, &s, &constants.sought, 1.0, watcher));
+        let fitted = match at.system.columns.is_empty() {
+            true => fit_constants_by_levels(&at, &constants.sought, watcher),
+            false => {
+                start.and_then(|s| fit_constants_from(&at, &s, &constants.sought, 1.0, watcher))
+            }
+        };
         let new = |f: &FittedConstants| (f.value, f.constants.iter().map(|c| c.value).collect());
         let entry = fitted.as_ref().map_or((f64::INFINITY, values), new);
         let near = |(_, v): &(f64, Vec<f64>)| unknown_constants::alike(v, &entry.1);
@@ -121,7 +129,7 @@ impl Constants {
         Constants::new(&[], &[], &[])
     }
 
-    fn is_at(&self, other: &Constants) -> bool {
+    pub fn is_at(&self, other: &Constants) -> bool {
         let values = |of: &Constants| of.sought.iter().map(|c| c.value).collect::<Vec<f64>>();
         unknown_constants::alike(&values(self), &values(other))
     }
@@ -188,6 +196,12 @@ impl Constants {
             return;
         }
         let at = self.started(problem, HIDDEN.courses, watcher);
+        if problem.system.columns.is_empty() {
+            if let Some(likelier) = fit_constants_by_levels(&at, &self.sought, watcher) {
+                self.sought = likelier.constants;
+            }
+            return;
+        }
         let Some(fit) = fit_proposed(&at, watcher) else {
             return;
         };

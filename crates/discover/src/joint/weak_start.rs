@@ -37,6 +37,9 @@ pub(crate) fn weak_start(
         return None;
     }
     let searched = || problem.system.laws.iter().filter(|l| !l.columns.is_empty());
+    if searched().next().is_none() {
+        return Some(StartingSupport::new());
+    }
     if searched().any(|l| l.columns.len() > TERM_SELECTION.exhaustive_columns) {
         return None;
     }

@@ -7,6 +7,7 @@ pub(crate) mod certificate;
 pub(crate) mod design;
 pub(crate) mod estimate;
 mod evidence;
+mod given_equation;
 mod lasso_path;
 mod memory_limit;
 pub(crate) mod norm_search;

@@ -41,7 +41,7 @@
 //! # Order of the folders
 //!
 //! Each imports only those before it: `thresholds`, `cancellation`, `model`, `integration`, `least_squares`, `likelihood`, `residuals`,
-//! `search`, `hidden_states`, `sensor_faults`, `pooling`.
+//! `search`, `hidden_states`, `sensor_faults`, `pooling`, `structural`.
 
 mod cancellation;
 pub(crate) mod hidden_states;
@@ -53,6 +53,7 @@ mod pooling;
 mod residuals;
 mod search;
 mod sensor_faults;
+pub(crate) mod structural;
 mod thresholds;
 
 #[cfg(test)]
@@ -60,7 +61,7 @@ mod tests;
 
 pub use hidden_states::ToldScale;
 pub(crate) use hidden_states::{
-    HIDDEN, exchanged_constants, exchanged_lags, fit_proposed, likely_constants,
+    HIDDEN, constants_by_runs, exchanged_constants, exchanged_lags, fit_proposed, likely_constants,
     with_sparsest_offset, with_started_states, with_told_scales,
 };
 pub use least_squares::SketchedProblem;
@@ -78,14 +79,15 @@ pub use residuals::{
 pub(crate) use search::minimum;
 pub use search::{
     Answer, BetterLaws, FittedConstants, Found, LawChange, Parameter, SearchObserver,
-    SoughtConstant, StartingSupport, fit_constants, fit_constants_from, laws_with_constants,
-    search, search_beyond_libraries, search_disturbed, search_from_fit, unidentifiable_directions,
-    value_by_innovations, with_constant_values,
+    SoughtConstant, StartingSupport, fit_constants, fit_constants_by_levels, fit_constants_from,
+    laws_with_constants, search, search_beyond_libraries, search_disturbed, search_from_fit,
+    unidentifiable_directions, value_by_innovations, with_constant_values,
 };
 pub use sensor_faults::{
     DelayEstimate, DelayProposal, DelayedInputs, InputLag, SensorOffset, criterion_without_delay,
     find_lag, find_sensor_offset, fit_delay, profile_delays, screen_delays, screen_ranges,
     widen_by_interpolation, with_delay,
 };
+pub use structural::{UntoldDirection, untold_directions};
 pub use thresholds::tables;
 pub(crate) use thresholds::{AHEAD, CONSTANTS, DECLARED_DELAYS, POOLING};

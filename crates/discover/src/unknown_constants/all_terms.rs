@@ -88,7 +88,7 @@ fn left(profile: &mut Profile, values: &[f64]) -> Option<WholeResidual> {
     let mut deviance = 0.0;
     for e in &profile.equations {
         let y = e.target_values(&profile.samples)?;
-        let phi = compile(e.library, &profile.samples, Some(&e.row)).ok()?;
+        let phi = compile(&e.library, &profile.samples, Some(&e.row)).ok()?;
         let fit = minimum_norm_least_squares(phi.as_ref(), &y);
         let free = (phi.rows() - fit.rank.min(phi.rows() - 1)) as f64;
         let variance = (fit.residual * fit.residual / free).max(f64::MIN_POSITIVE);

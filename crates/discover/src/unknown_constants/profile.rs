@@ -2,6 +2,8 @@
 //!
 //! In: a model, libraries, samples, values. Out: the criterion, summed over the equations that the constants stand in, and their terms.
 
+use std::borrow::Cow;
+
 use super::sought::{Sought, set_values, shared};
 use super::thresholds::{PRICING, UNKNOWNS};
 use crate::dictionary::{compile, subtract};
@@ -24,7 +26,8 @@ use sidc_solve::{Problem, Status};
 pub(super) struct ProfiledEquation<'a> {
     pub target: Signal,
     pub known: Vec<(f64, Term)>,
-    pub library: &'a Library,
+    /// Empty for an equation that is given.
+    pub library: Cow<'a, Library>,
     /// Factors of the rows, length M.
     pub row: Vec<f64>,
     pub criterion: InformationCriterion,
@@ -62,7 +65,10 @@ impl<'a> Profile<'a> {
         let sought = |s: Signal| model.unknowns.iter().any(|u| u.var == s.var);
         let mut equations = Vec::new();
         for (equation, library) in model.equations.iter().zip(libraries) {
-            let Some(library) = library else { continue };
+            let library = match library {
+                Some(library) => Cow::Borrowed(library),
+                None => Cow::Owned(Library::default()),
+            };
             let known = fixed_terms(&equation.right);
             let mut mentioned = library.signals().into_iter().any(sought);
             for (_, t) in &known {
@@ -71,17 +77,17 @@ impl<'a> Profile<'a> {
             let Some(column) = samples.column(equation.target).filter(|_| mentioned) else {
                 continue;
             };
-            let weights = Weights::new(&samples, equation.target, library, &column.values);
+            let weights = Weights::new(&samples, equation.target, &library, &column.values);
             equations.push(ProfiledEquation {
                 target: equation.target,
                 known,
-                library,
                 criterion: InformationCriterion::new(
                     samples.len(),
                     weights.correlation,
                     library.len(),
                     weights.floor,
                 ),
+                library,
                 row: weights.row,
             });
         }
@@ -171,7 +177,7 @@ impl<'a> Profile<'a> {
         let (mut criterion, mut supports) = (0.0, Vec::new());
         for e in &self.equations {
             let y = e.target_values(&self.samples)?;
-            let phi = compile(e.library, &self.samples, Some(&e.row)).ok()?;
+            let phi = compile(&e.library, &self.samples, Some(&e.row)).ok()?;
             let proposed = match phi.cols() > TERM_SELECTION.exhaustive_columns {
                 false => Vec::new(),
                 true => self.proposed(e, phi.as_ref(), &y, observer),

@@ -47,7 +47,7 @@ fn of_equation(
     observer: &mut dyn Observer,
 ) -> Vec<Vec<Member>> {
     let family = Family {
-        library: equation.library,
+        library: &equation.library,
         sought: &profile.sought,
         samples: &profile.samples,
         row: &equation.row,

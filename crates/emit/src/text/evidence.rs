@@ -60,13 +60,22 @@ fn reason(kind: &str, r: &Reason) -> [String; 2] {
     ]
 }
 
+const STATED: &str = "stated by the model";
+
 /// Fit and proof of one equation, a sentence each.
 pub fn remarks(d: &Discovery, e: &Equation) -> Vec<String> {
     let Some(evidence) = &e.evidence else {
-        return vec!["known: stated by the model".into()];
+        return vec![format!("known: {STATED}")];
     };
     let mut lines = match &evidence.joint {
         Some(together) => jointly(d, evidence, together),
+        None if evidence.candidates == 0 => {
+            vec![format!(
+                "{} on {} rows; {STATED}",
+                fit(evidence),
+                evidence.rows
+            )]
+        }
         None => vec![
             format!("{}; {}", fit(evidence), scope(evidence)),
             proof(evidence),
@@ -109,6 +118,10 @@ fn jointly(d: &Discovery, evidence: &Evidence, t: &JointEvidence) -> Vec<String>
         true => format!("{} of {} terms", evidence.searched, evidence.candidates),
         false => format!("{} terms", evidence.candidates),
     };
+    if evidence.candidates == 0 {
+        lines.push(STATED.into());
+        return lines;
+    }
     let mut search = format!(
         "{terms}; {} sets of terms of all equations fitted with the trajectory",
         t.tried

@@ -4,18 +4,15 @@
 //! state moves no reading by itself, so each value is judged by how well the measured laws follow the readings with the courses that it
 //! gives the hidden states.
 
+use super::first_values::{SoughtRanges, first_values};
 use super::given_course::given_courses;
 use super::hidden_laws::hidden_laws;
 use super::observed_fit::observed;
-use super::solved_course::are_solved;
+use super::solved_course::{are_solved, value_of_solved};
 use super::start::value_of_start;
 use super::thresholds::HIDDEN;
 use crate::trajectory::model::Problem;
-use sidc_lang::term::Signal;
 use sidc_progress::Observer;
-
-/// The signals of the constants, and the ranges of each.
-pub(crate) type SoughtRanges = Vec<(Signal, Vec<(f64, f64)>)>;
 
 /// Distinct values, the likeliest first; empty where no guessed course leads along the readings.
 pub(crate) fn likely_constants(
@@ -36,7 +33,12 @@ pub(crate) fn likely_constants(
         let courses = given_courses(&problem, &given);
         let started = courses.map(|c| problem.with_hidden_courses(&c, &[]));
         let fits = started.map_or(Vec::new(), |p| observed(&p, observer));
-        fits.iter().map(|f| f.value).fold(f64::INFINITY, f64::min)
+        let along = fits.iter().map(|f| f.value).fold(f64::INFINITY, f64::min);
+        // Where all laws are given, a measured one may tell the hidden states, their starts included.
+        match problem.system.columns.is_empty() {
+            true => along.min(value_of_solved(&problem, &given, observer)),
+            false => along,
+        }
     };
     let mut points: Vec<(f64, Vec<f64>)> = Vec::new();
     // Each judgement may take a fit of all laws; fewer values are then tried.
@@ -67,49 +69,6 @@ pub(crate) fn likely_constants(
     best.sort_by(|a, b| a.0.total_cmp(&b.0));
     let best = best.into_iter().take(HIDDEN.starts);
     best.map(|(_, values)| values).collect()
-}
-
-/// Values over the ranges: evenly spaced for one constant, a Halton sequence for several.
-fn first_values(sought: &SoughtRanges, count: usize, combinations: usize) -> Vec<Vec<f64>> {
-    if let [(_, ranges)] = &sought[..] {
-        let of = |range: &(f64, f64)| {
-            let range = *range;
-            (0..count).map(move |i| vec![between(range, (i as f64 + 0.5) / count as f64)])
-        };
-        return ranges.iter().flat_map(of).collect();
-    }
-    let bases = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29];
-    let point = |k: usize| -> Vec<f64> {
-        let constants = sought.iter().enumerate();
-        constants
-            .map(|(i, (_, ranges))| {
-                let part = radical_inverse(k + 1, bases[i % bases.len()]);
-                let place = part * ranges.len() as f64;
-                let which = (place as usize).min(ranges.len() - 1);
-                between(ranges[which], place - which as f64)
-            })
-            .collect()
-    };
-    (0..combinations).map(point).collect()
-}
-
-/// Part of the way through a range: by the logarithm where its ends have one sign.
-fn between((from, to): (f64, f64), part: f64) -> f64 {
-    match from * to > 0.0 {
-        true => from * (to / from).powf(part),
-        false => from + part * (to - from),
-    }
-}
-
-/// The digits of a number mirrored behind the point (van der Corput).
-fn radical_inverse(mut number: usize, base: usize) -> f64 {
-    let (mut inverse, mut digit) = (0.0, 1.0 / base as f64);
-    while number > 0 {
-        inverse += (number % base) as f64 * digit;
-        number /= base;
-        digit /= base as f64;
-    }
-    inverse
 }
 
 /// A compass search (pattern search): each constant is moved up and down by a step, for at most `most` sweeps or until no move helps; then

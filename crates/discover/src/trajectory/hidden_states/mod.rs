@@ -6,17 +6,21 @@
 mod constant_values;
 mod exchanged_parameters;
 mod filtered_course;
+mod first_values;
 mod given_course;
 mod hidden_laws;
 mod observed_fit;
 mod offset;
+mod run_fit;
 mod scale;
+mod sensitive_laws;
 mod solved_course;
 mod start;
 pub(crate) mod thresholds;
 
 pub(crate) use constant_values::likely_constants;
 pub(crate) use exchanged_parameters::{exchanged_constants, exchanged_lags};
+pub(crate) use run_fit::constants_by_runs;
 pub use scale::ToldScale;
 pub(crate) use scale::with_told_scales;
 pub(crate) use start::{fit_proposed, with_sparsest_offset, with_started_states};

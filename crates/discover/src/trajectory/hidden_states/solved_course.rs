@@ -5,7 +5,7 @@
 //! been read. It is a guess: the fit of the trajectory takes all laws as they are written.
 
 use super::filtered_course::Start;
-use super::observed_fit::{every_column, observed_fits};
+use super::observed_fit::{ObservedFit, every_column, observed_fits};
 use super::thresholds::HIDDEN;
 use crate::trajectory::model::{HiddenCourse, Problem, gradient};
 use sidc_lang::term::{Expr, Signal, Tape};
@@ -18,24 +18,9 @@ pub(super) fn solved_courses(
     laws: &[usize],
     observer: &mut dyn Observer,
 ) -> Vec<Start> {
-    let Some(read) = laws.iter().map(|l| SolvedLaw::of(problem, *l)).collect() else {
+    let Some((courses, fits)) = solved_fits(problem, laws, observer) else {
         return Vec::new();
     };
-    let read: Vec<SolvedLaw> = read;
-    if problem.system.columns.len() > HIDDEN.columns {
-        return Vec::new();
-    }
-    let Some(courses) = read.iter().map(SolvedLaw::course).collect() else {
-        return Vec::new();
-    };
-    let courses: Vec<HiddenCourse> = courses;
-    let mut as_read = problem.with_hidden_courses(&courses, &[]);
-    for one in &read {
-        one.add_pseudo_readings(&mut as_read);
-    }
-    as_read.update_noise();
-    let mut fits = observed_fits(&as_read, &every_column(&as_read), observer);
-    fits.sort_by(|a, b| a.value.total_cmp(&b.value));
     let mut starts: Vec<Start> = Vec::new();
     for fit in fits {
         if !starts.iter().any(|(_, terms)| *terms == fit.terms) {
@@ -43,6 +28,40 @@ pub(super) fn solved_courses(
         }
     }
     starts
+}
+
+/// How well all laws are obeyed along the solved courses; infinite where there are none.
+pub(super) fn value_of_solved(
+    problem: &Problem,
+    laws: &[usize],
+    observer: &mut dyn Observer,
+) -> f64 {
+    let fits = solved_fits(problem, laws, observer).map(|(_, fits)| fits);
+    let best = fits.and_then(|fits| fits.into_iter().next());
+    best.map_or(f64::INFINITY, |fit| fit.value)
+}
+
+/// The courses, and fits of all laws along them, the best first.
+fn solved_fits(
+    problem: &Problem,
+    laws: &[usize],
+    observer: &mut dyn Observer,
+) -> Option<(Vec<HiddenCourse>, Vec<ObservedFit>)> {
+    let read = laws.iter().map(|l| SolvedLaw::of(problem, *l));
+    let read: Vec<SolvedLaw> = read.collect::<Option<_>>()?;
+    if problem.system.columns.len() > HIDDEN.columns {
+        return None;
+    }
+    let courses = read.iter().map(SolvedLaw::course);
+    let courses: Vec<HiddenCourse> = courses.collect::<Option<_>>()?;
+    let mut as_read = problem.with_hidden_courses(&courses, &[]);
+    for one in &read {
+        one.add_pseudo_readings(&mut as_read);
+    }
+    as_read.update_noise();
+    let mut fits = observed_fits(&as_read, &every_column(&as_read), observer);
+    fits.sort_by(|a, b| a.value.total_cmp(&b.value));
+    Some((courses, fits))
 }
 
 /// Whether the course of every hidden state whose law is sought follows from a given law.

@@ -7,6 +7,7 @@ use super::given_course::given_courses;
 use super::hidden_laws::hidden_laws;
 use super::observed_fit::observed;
 use super::offset::{Offset, sparsest_offsets};
+use super::run_fit::hidden_courses_by_runs;
 use super::scale::is_free;
 use super::solved_course::solved_courses;
 use super::thresholds::HIDDEN;
@@ -131,12 +132,18 @@ fn best_start(
     best
 }
 
-/// Proposed courses of the hidden states whose laws are sought, and columns with coefficients.
+/// Proposed courses of hidden states, and columns with coefficients.
 fn starts(problem: &Problem, observer: &mut dyn Observer) -> Vec<Start> {
-    let (_, sought) = hidden_laws(problem);
+    let (given, sought) = hidden_laws(problem);
     if sought.is_empty() {
         let terms = observed(problem, observer).into_iter().map(|o| o.terms);
-        return terms.map(|terms| (Vec::new(), terms)).collect();
+        let along = terms.map(|terms| (Vec::new(), terms));
+        if !problem.system.columns.is_empty() {
+            return along.collect();
+        }
+        let run = hidden_courses_by_runs(problem).map(|courses| (courses, Vec::new()));
+        let solved = solved_courses(problem, &given, observer);
+        return along.chain(solved).chain(run).collect();
     }
     match solved_courses(problem, &sought, observer) {
         none if none.is_empty() => filtered_courses(problem, &sought, observer),

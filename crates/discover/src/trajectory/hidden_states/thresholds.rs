@@ -60,7 +60,33 @@ family! {
     }
 }
 
+family! {
+    /// Runs of given laws from many starts.
+    pub(crate) OUTPUT_ERROR: OutputError {
+        /// Values tried of a constant over its range, where it is the only one.
+        values: usize = 24, unit "values", source "as for the laws of hidden states";
+        /// Combinations tried where there are several constants.
+        combinations: usize = 80, unit "combinations", source "the laws of crates/studies/given, constants over two decades; a run of sixty samples takes a millisecond";
+        /// Parts of the records that are followed, one after another.
+        parts: [f64; 3] = [0.1, 0.35, 1.0], unit "of the record", source "a run from wrong constants stays near the readings for a part of an oscillation";
+        /// Fits that are kept after each part.
+        kept: [usize; 3] = [10, 4, 2], unit "fits", source "set by hand";
+        /// Steps of a fit.
+        iterations: usize = 20, unit "steps", source "set by hand: further parts go on";
+        /// Fall of the sum of squares at which a part is done.
+        converged: f64 = 1e-3, unit "of the sum", source "the fit of the trajectory goes on from there";
+        /// Samples of a part at least.
+        samples: usize = 4, unit "for each unknown", source "set by hand";
+        /// Samples of a part at most, of all records.
+        most_samples: usize = 4000, unit "samples", source "a second of work";
+        /// Length of a step.
+        step: f64 = 0.5, unit "of the fastest time constant", source "errors of the classical method below 1e-3, less than a start needs";
+        /// Most steps between two samples.
+        steps: usize = 100, unit "steps", source "stiffer laws are not run";
+    }
+}
+
 /// The families of this module.
 pub(crate) fn tables() -> Vec<Table> {
-    vec![Hidden::table()]
+    vec![Hidden::table(), OutputError::table()]
 }

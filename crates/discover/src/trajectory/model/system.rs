@@ -92,7 +92,7 @@ impl System {
     /// The system of all equations of a model; `pools` restricts the columns of an equation to slots of its library (`None`: all).
     ///
     /// # Errors
-    /// In words that follow "because": discrete time; an equation for something else than a highest derivative; no equation to search.
+    /// In words that follow "because": discrete time; an equation for something else than a highest derivative; no equation.
     pub fn new(
         model: &Model,
         libraries: &[Option<Library>],
@@ -152,8 +152,8 @@ impl System {
             });
             system.columns.extend(terms);
         }
-        if system.columns.is_empty() {
-            return Err("no equation of a state is searched".into());
+        if system.laws.is_empty() {
+            return Err("no state has a law".into());
         }
         system.find_exogenous();
         let noisy_exogenous =

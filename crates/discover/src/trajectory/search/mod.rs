@@ -28,5 +28,6 @@ pub use support_search::{Found, StartingSupport, search, value_by_innovations};
 pub(crate) use support_search::{final_criterion, initial_fit, last_criterion};
 pub use unidentifiable_directions::{Parameter, unidentifiable_directions};
 pub use unknown_constants::{
-    FittedConstants, SoughtConstant, fit_constants, fit_constants_from, with_constant_values,
+    FittedConstants, SoughtConstant, fit_constants, fit_constants_by_levels, fit_constants_from,
+    with_constant_values,
 };

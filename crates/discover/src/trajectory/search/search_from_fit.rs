@@ -5,7 +5,7 @@
 
 use super::constrained_supports::{ConstrainedForm, minimum};
 use super::search_observer::SearchObserver;
-use super::support_search::{Found, Plan, continuation};
+use super::support_search::{Found, Plan, continuation, fit_given};
 use crate::trajectory::likelihood::set_variances;
 use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::residuals::statistical_inefficiency;
@@ -17,6 +17,9 @@ pub fn search_from_fit(
     free: &Found,
     observer: &mut dyn SearchObserver,
 ) -> Option<Found> {
+    if problem.system.columns.is_empty() {
+        return fit_given(problem, free.best.point.clone(), observer);
+    }
     let starts = starts(problem, free, observer);
     // On long records only supports near the answer are fitted, as in a search without constraints.
     let plan = |inefficiency| match problem.searched_in_parts() {

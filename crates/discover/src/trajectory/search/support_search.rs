@@ -38,6 +38,9 @@ pub fn search(
     start: &[(usize, f64)],
     observer: &mut dyn SearchObserver,
 ) -> Option<Found> {
+    if problem.system.columns.is_empty() {
+        return fit_given(problem, starting_point(problem, &[]), observer);
+    }
     let mut found = match problem.on_segments() {
         None => search_whole(problem, start, observer)?,
         Some(short) => {
@@ -64,6 +67,24 @@ pub fn search(
     };
     set_variances(problem, &mut found.best, observer);
     Some(found)
+}
+
+/// The fit of laws that are all given.
+pub(super) fn fit_given(
+    problem: &Problem,
+    start: LinearizationPoint,
+    observer: &mut dyn Observer,
+) -> Option<Found> {
+    let criterion = final_criterion(problem);
+    let mut best = fit(problem, start, &criterion, f64::INFINITY, observer)?;
+    set_variances(problem, &mut best, observer);
+    Some(Found {
+        rivals: vec![(Vec::new(), best.value)],
+        tried: 1,
+        penalty: criterion.penalty,
+        inefficiency: statistical_inefficiency(problem, &best),
+        best,
+    })
 }
 
 /// All levels, or the last one alone where the start explains the readings.

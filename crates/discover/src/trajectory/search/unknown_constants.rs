@@ -11,7 +11,7 @@ use crate::trajectory::model::{
     ExtendedProblem, LinearizationPoint, Problem, impulses_of, indicator,
 };
 use crate::trajectory::search::{final_criterion, last_criterion};
-use crate::trajectory::thresholds::CONSTANTS;
+use crate::trajectory::thresholds::{CONSTANTS, SEARCH};
 use sidc_lang::term::{Expr, Signal, Term};
 use sidc_progress::Observer;
 use sidc_solve::{LinearConstraint, Sense};
@@ -87,12 +87,62 @@ pub(super) fn fit_constants_at(
     observer: &mut dyn Observer,
 ) -> Option<FittedConstants> {
     let criterion = last_criterion(problem, inefficiency);
+    let found = climb(problem, from, constants, &criterion, observer)?;
+    let wider = inefficiency.sqrt();
+    let errors = found.step.standard_errors.iter();
+    Some(FittedConstants {
+        value: found.fit.value,
+        terms: found.fit.point.active(),
+        constants: found.constants,
+        standard_errors: errors.map(|e| e * wider).collect(),
+        variances: (found.step.variances.iter())
+            .map(|v| v * inefficiency)
+            .collect(),
+    })
+}
+
+/// The likeliest constants of laws that are all given, from afar: under floors of the noise that fall level by level, since under a high floor the
+/// readings forgive what wrong constants do.
+pub fn fit_constants_by_levels(
+    problem: &Problem,
+    constants: &[SoughtConstant],
+    observer: &mut dyn Observer,
+) -> Option<FittedConstants> {
+    let (mut here, mut point) = (constants.to_vec(), problem.initial_point(&problem.noise));
+    for floor in SEARCH.floors {
+        let criterion = PenalizedLikelihood::at_floor(problem, floor, 1.0);
+        let floors = problem.noise.iter().zip(&criterion.floor);
+        let sigma = floors.map(|(noise, floor)| noise.max(*floor)).collect();
+        point = LinearizationPoint { sigma, ..point };
+        let found = climb(problem, point.clone(), &here, &criterion, observer);
+        if let Some(found) = found {
+            (here, point) = (found.constants, found.fit.point);
+        }
+    }
+    fit_constants_at(problem, point, &here, 1.0, observer)
+}
+
+/// Where Gauss–Newton steps end.
+struct Climb {
+    constants: Vec<SoughtConstant>,
+    fit: Fit,
+    /// The last step, which was not taken.
+    step: Step,
+}
+
+fn climb(
+    problem: &Problem,
+    from: LinearizationPoint,
+    constants: &[SoughtConstant],
+    criterion: &PenalizedLikelihood,
+    observer: &mut dyn Observer,
+) -> Option<Climb> {
     let mut here = constants.to_vec();
     let runs = constants.iter().filter_map(|c| c.run);
     let problem = &problem.with_indicators(runs);
     let at = |constants: &[SoughtConstant]| with_constant_values(problem, constants);
-    let mut best = fit(&at(&here), from, &criterion, f64::INFINITY, observer)?;
-    let mut step = step(&at(&here), &best, &here, &criterion, observer)?;
+    let mut best = fit(&at(&here), from, criterion, f64::INFINITY, observer)?;
+    let mut step = step(&at(&here), &best, &here, criterion, observer)?;
     for _ in 0..CONSTANTS.steps {
         let small = |(c, (by, e)): (&SoughtConstant, (&f64, &f64))| {
             let error = if e.is_finite() {
@@ -115,7 +165,7 @@ pub(super) fn fit_constants_at(
             let there = fit(
                 &at(&trial),
                 best.point.clone(),
-                &criterion,
+                criterion,
                 f64::INFINITY,
                 observer,
             );
@@ -131,15 +181,12 @@ pub(super) fn fit_constants_at(
             break;
         };
         (here, best) = (trial, there);
-        step = self::step(&at(&here), &best, &here, &criterion, observer)?;
+        step = self::step(&at(&here), &best, &here, criterion, observer)?;
     }
-    let wider = inefficiency.sqrt();
-    Some(FittedConstants {
-        value: best.value,
-        terms: best.point.active(),
+    Some(Climb {
         constants: here,
-        standard_errors: step.standard_errors.iter().map(|e| e * wider).collect(),
-        variances: step.variances.iter().map(|v| v * inefficiency).collect(),
+        fit: best,
+        step,
     })
 }
 
