@@ -1,4 +1,4 @@
-"""Systems whose laws are all given but for their constants: prints the table of docs/unknown-constants.md, "Laws that are given".
+"""Systems whose laws are all given but for their constants: prints the table of docs/hidden.md, "Given laws in draws".
 
     python3 crates/studies/given/table.py [target/release/sidc] [--draws 10] [--level 0 0.01 0.05] [--only sir]
 

@@ -150,7 +150,7 @@ impl<'a> RunFit<'a> {
             let here = |place: usize| data.exogenous_at(place, k, 0.0);
             let out = self.laws.outputs(&state.z, &here, &at.constants);
             let steps = (h * self.laws.fastest(&out) / OUTPUT_ERROR.step).ceil();
-            if !(steps <= OUTPUT_ERROR.steps as f64) {
+            if steps.is_nan() || steps > OUTPUT_ERROR.steps as f64 {
                 return None;
             }
             let steps = steps.max(1.0);

@@ -257,9 +257,9 @@ impl<'a> SensitiveSystem<'a> {
         let n = at.z.len();
         let mut rate = vec![0.0; n];
         let mut rate_s = DMatrix::zeros(n, s.ncols());
-        for i in 0..n {
+        for (i, value) in rate.iter_mut().enumerate() {
             if let Some(next) = self.problem.system.derivative_state(i) {
-                rate[i] = at.z[next];
+                *value = at.z[next];
                 rate_s.row_mut(i).copy_from(&s.row(next));
             }
         }
