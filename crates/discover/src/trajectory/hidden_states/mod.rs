@@ -23,5 +23,6 @@ pub(crate) use exchanged_parameters::{exchanged_constants, exchanged_lags};
 pub(crate) use run_fit::constants_by_runs;
 pub use scale::ToldScale;
 pub(crate) use scale::with_told_scales;
+pub(super) use sensitive_laws::SensitiveLaws;
 pub(crate) use start::{fit_proposed, with_sparsest_offset, with_started_states};
 pub(crate) use thresholds::HIDDEN;

@@ -97,6 +97,16 @@ impl<'a> SensitiveLaws<'a> {
         out
     }
 
+    /// Law and parameter of each slope among these outputs.
+    pub fn parameter_slopes<'b>(
+        &'b self,
+        outputs: &'b [f64],
+    ) -> impl Iterator<Item = ((usize, usize), f64)> + 'b {
+        let from = self.system.laws.len() + self.by_state.len();
+        let slopes = self.by_parameter.iter().copied();
+        slopes.zip(outputs[from..].iter().copied())
+    }
+
     /// A bound of the fastest rate at which states change by themselves, 1/s.
     pub fn fastest(&self, outputs: &[f64]) -> f64 {
         let laws = self.system.laws.len();
