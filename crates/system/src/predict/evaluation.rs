@@ -78,8 +78,11 @@ fn attempt(
     if d.was_stopped() {
         return Err(Notice::new("run-stopped", "the search was ended early"));
     }
-    if !d.failed.is_empty() || Form::new(d).state.is_empty() {
+    if !d.failed.is_empty() || d.equations.is_empty() {
         return Err(Notice::new("no-equations", "not every equation was found"));
+    }
+    if Form::new(d).state.is_empty() {
+        return Err(Notice::new("no-state", "no equation is about a state"));
     }
     let compile = |dataset: &Dataset| -> Result<Vec<SegmentRuns>, Notice> {
         let source = Source {

@@ -54,7 +54,8 @@ pub fn untold_directions(problem: &Problem, constants: &[UnknownConstant]) -> Ve
         constants: constants.len(),
         coefficients: problem.system.columns.len(),
     };
-    let scalings = null_directions(&stacked(&runs, columns), columns);
+    let mut scalings = null_directions(&stacked(&runs, columns), columns);
+    scalings.retain(NullDirection::is_rational);
     let directions = match (scalings.is_empty(), columns.coefficients) {
         (true, 0) => in_every_run(&runs, columns),
         _ => scalings,

@@ -13,6 +13,15 @@ pub(super) struct Columns {
     pub coefficients: usize,
 }
 
+impl NullDirection {
+    /// Whether all powers are multiples of a twelfth, as those of scalings are.
+    pub fn is_rational(&self) -> bool {
+        let twelfths = self.changes.iter().map(|(_, x)| 12.0 * x);
+        let mut off = twelfths.map(|x| (x - x.round()).abs());
+        off.all(|off| off < STRUCTURAL.part)
+    }
+}
+
 impl Columns {
     pub fn parameters(self) -> usize {
         self.constants + self.coefficients
@@ -49,6 +58,15 @@ pub(super) fn null_directions(of: &DMatrix<f64>, columns: Columns) -> Vec<NullDi
         return Vec::new();
     };
     let largest = decomposed.singular_values.max();
+    // Where singular values fade to rounding without a gap, columns are alike, not bound.
+    let unclear = STRUCTURAL.rounding * largest..STRUCTURAL.clear * largest;
+    if decomposed
+        .singular_values
+        .iter()
+        .any(|s| unclear.contains(s))
+    {
+        return Vec::new();
+    }
     let null = decomposed.singular_values.iter().enumerate();
     let null = null.filter(|(_, s)| **s <= STRUCTURAL.rounding * largest);
     let changes = null.map(|(row, _)| -> Vec<f64> {

@@ -25,6 +25,8 @@ family! {
         rates: f64 = 10.0, unit "in the length of the record", source "a record is meant to show its motion";
         /// A singular value that is zero.
         rounding: f64 = 1e-12, unit "of the largest", source "rounding of some hundred steps; constants that are merely hard to tell stay above";
+        /// A singular value that is clearly not zero; between the two nothing is said.
+        clear: f64 = 1e-9, unit "of the largest", source "powers of a state that hardly moves have singular values of any size: tests/it/unknown_constants.rs";
         /// A change that belongs to a direction.
         part: f64 = 1e-3, unit "of the largest", source "rounding over the gap of singular values";
         /// A value from which nothing is seen.
