@@ -7,13 +7,13 @@ An answer is right if every constant is within 2 % (at 0 %: 1e-4) or four of its
 doubted. Needs Python 3.9, numpy.
 """
 import argparse
-import json
-import os
-import subprocess
-import tempfile
+import sys
 from pathlib import Path
 
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from identified import identified
 
 
 def level_of(t):
@@ -117,16 +117,9 @@ def model(system, laws, sought):
 
 
 def identify(program, text, columns):
-    with tempfile.TemporaryDirectory() as scratch:
-        path, data, result = (Path(scratch) / n for n in ("m.sid", "d.csv", "r.json"))
-        np.savetxt(data, np.column_stack(list(columns.values())), "%.12g", ",", header=",".join(columns), comments="")
-        path.write_text(text)
-        before = os.times()
-        run = subprocess.run([program, "identify", "-q", path, data, "-o", result], capture_output=True, text=True)
-        seconds = os.times().children_user - before.children_user
-        found = json.loads(result.read_text()) if result.exists() else {"equations": []}
+    found, seconds, said = identified(program, text, columns)
     codes = sorted({r["code"] for e in found["equations"] + found.get("failed", []) for r in e["reasons"]})
-    return found, codes, bool(found["equations"]) and not codes, seconds, run.stderr
+    return found, codes, bool(found["equations"]) and not codes, seconds, said
 
 
 def draw(program, name, seed, level):

@@ -6,14 +6,14 @@ Each draw has its own start and noise. An answer is exact if its laws have the t
 hidden state is known up to its scale and, where the library allows it, an offset. Needs Python 3.9, numpy.
 """
 import argparse
-import json
-import os
 import re
-import subprocess
-import tempfile
+import sys
 from pathlib import Path
 
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from identified import identified
 
 
 def lorenz(t, s):
@@ -114,14 +114,7 @@ def identify(program, name, seed, level):
         columns[signal] = clean + level * np.std(clean) * rng.standard_normal(len(clean))
     for signal, value in system.get("inputs", {}).items():
         columns[signal] = value(times)
-    with tempfile.TemporaryDirectory() as scratch:
-        text, data, result = (Path(scratch) / n for n in ("m.sid", "d.csv", "r.json"))
-        np.savetxt(data, np.column_stack(list(columns.values())), "%.12g", ",", header=",".join(columns), comments="")
-        text.write_text(system["model"])
-        before = os.times()
-        subprocess.run([program, "identify", "-q", text, data, "-o", result], capture_output=True, text=True)
-        seconds = os.times().children_user - before.children_user
-        found = json.loads(result.read_text()) if result.exists() else {"equations": []}
+    found, seconds, _ = identified(program, system["model"], columns)
     got = {e["target"]: {plain(t["term"]) for t in e["terms"]} for e in found["equations"]}
     exact = any(got == {target: {plain(t) for t in law.split()} for target, law in laws.items()} for laws in system["laws"])
     codes = sorted({r["code"] for e in found["equations"] for r in e["reasons"]})

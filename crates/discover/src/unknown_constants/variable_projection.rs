@@ -13,6 +13,7 @@ use super::thresholds::UNKNOWNS;
 use crate::dictionary::evaluate;
 use sidc_data::Samples;
 use sidc_lang::term::{Expr, Signal, Term};
+use sidc_solve::linalg::damped_step;
 
 /// Values, and what is known of them.
 pub(super) struct Projected {
@@ -56,7 +57,7 @@ pub(super) fn project(
     let mut damping = 1e-3;
     for _ in 0..UNKNOWNS.steps {
         let (normal, right) = normal_equations(&here, &values, &coordinates);
-        let Some(step) = damped(&normal, &right, damping) else {
+        let Some(step) = damped_step(&normal, &right, damping) else {
             break;
         };
         let moved = values.iter().zip(&coordinates).zip(step.iter());
@@ -109,19 +110,6 @@ fn normal_equations(
         right -= j.transpose() * &l.residual / l.variance;
     }
     (normal, right)
-}
-
-/// A Levenberg–Marquardt step; constants that move nothing stay.
-fn damped(normal: &DMatrix<f64>, right: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
-    let mut normal = normal.clone();
-    let largest = normal.diagonal().amax();
-    if largest.is_nan() || largest <= 0.0 {
-        return None;
-    }
-    for i in 0..normal.nrows() {
-        normal[(i, i)] += damping * normal[(i, i)] + f64::EPSILON * largest;
-    }
-    normal.cholesky().map(|c| c.solve(right))
 }
 
 /// All equations at some values; `None` where a term has none, or its columns are dependent.

@@ -4,7 +4,7 @@
 //! state moves no reading by itself, so each value is judged by how well the measured laws follow the readings with the courses that it
 //! gives the hidden states.
 
-use super::first_values::{SoughtRanges, first_values};
+use super::first_values::{SoughtRanges, first_values, holding};
 use super::given_course::given_courses;
 use super::hidden_laws::hidden_laws;
 use super::observed_fit::observed;
@@ -104,10 +104,7 @@ fn improve(
 
 /// A value changed by a relative step, or by a part of its range where that includes zero, and kept within the range.
 fn nudged(value: f64, step: f64, ranges: &[(f64, f64)]) -> f64 {
-    let holds = |(from, to): &&(f64, f64)| (*from..=*to).contains(&value);
-    let Some((from, to)) = ranges.iter().find(holds).copied() else {
-        return value;
-    };
+    let (from, to) = holding(ranges, value);
     let moved = match from * to > 0.0 {
         true => value * step.exp(),
         false => value + 0.2 * step * (to - from),

@@ -36,7 +36,7 @@ pub(super) fn first_values(
 }
 
 /// Part of the way through a range: by the logarithm where its ends have one sign.
-fn between((from, to): (f64, f64), part: f64) -> f64 {
+pub(crate) fn between((from, to): (f64, f64), part: f64) -> f64 {
     match from * to > 0.0 {
         true => from * (to / from).powf(part),
         false => from + part * (to - from),
@@ -52,4 +52,11 @@ fn radical_inverse(mut number: usize, base: usize) -> f64 {
         digit /= base as f64;
     }
     inverse
+}
+
+/// The range that holds a value; that value alone if none does.
+pub(super) fn holding(ranges: &[(f64, f64)], value: f64) -> (f64, f64) {
+    let mut all = ranges.iter().copied();
+    all.find(|(from, to)| (*from..=*to).contains(&value))
+        .unwrap_or((value, value))
 }

@@ -20,6 +20,7 @@ pub(crate) mod thresholds;
 
 pub(crate) use constant_values::likely_constants;
 pub(crate) use exchanged_parameters::{exchanged_constants, exchanged_lags};
+pub(super) use first_values::between;
 pub(crate) use run_fit::constants_by_runs;
 pub use scale::ToldScale;
 pub(crate) use scale::with_told_scales;

@@ -8,7 +8,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::first_values::{SoughtRanges, first_values};
+use super::first_values::{SoughtRanges, first_values, holding};
 use super::given_course::given_courses;
 use super::hidden_laws::hidden_laws;
 use super::sensitive_laws::{SensitiveLaws, SensitiveState};
@@ -16,6 +16,7 @@ use super::thresholds::OUTPUT_ERROR;
 use crate::trajectory::model::{HiddenCourse, Problem};
 use sidc_lang::term::{Expr, Signal};
 use sidc_progress::Observer;
+use sidc_solve::linalg::damped_step;
 
 /// Values of the constants with which runs follow the readings best; none alike. Empty where no run ends.
 pub(crate) fn constants_by_runs(
@@ -57,24 +58,15 @@ pub(crate) fn hidden_courses_by_runs(problem: &Problem) -> Option<Vec<HiddenCour
     for part in OUTPUT_ERROR.parts {
         unknowns = fit.descend(unknowns, part)?.unknowns;
     }
-    let runs: Option<Vec<Vec<Vec<f64>>>> = (0..problem.records.len())
-        .map(|r| fit.run(r, problem.records[r].len(), &unknowns))
-        .map(|run| Some(run?.into_iter().map(|state| state.z).collect()))
-        .collect();
-    let runs = runs?;
-    let (given, _) = hidden_laws(problem);
-    let course = |law: usize| {
-        let own = &problem.system.laws[law];
-        let first = own.state + 1 - usize::from(own.target.der);
-        let chain = |run: &Vec<Vec<f64>>| {
-            let along = |i: usize| run.iter().map(|z| z[i]).collect();
-            (first..=own.state).map(along).collect()
-        };
-        HiddenCourse {
-            law,
-            records: runs.iter().map(chain).collect(),
-        }
+    let path = |r: usize| -> Option<Vec<f64>> {
+        let run = fit.run(r, problem.records[r].len(), &unknowns)?;
+        Some(run.into_iter().flat_map(|state| state.z).collect())
     };
+    let paths: Vec<Vec<f64>> = (0..problem.records.len())
+        .map(path)
+        .collect::<Option<_>>()?;
+    let (given, _) = hidden_laws(problem);
+    let course = |law| HiddenCourse::along(problem, law, &paths, &|_| 0.0);
     Some(given.into_iter().map(course).collect())
 }
 
@@ -173,7 +165,7 @@ impl<'a> RunFit<'a> {
         let mut here = self.linearize(&at, part)?;
         let mut damping = 1e-3;
         for _ in 0..OUTPUT_ERROR.iterations {
-            let step = damped(&here, damping)?;
+            let step = damped_step(&here.normal, &here.right, damping)?;
             let trial = self.moved(&at, &step);
             match self
                 .linearize(&trial, part)
@@ -281,16 +273,6 @@ impl Unknowns {
     }
 }
 
-/// A damped step; unknowns that move nothing stay.
-fn damped(here: &Linearized, damping: f64) -> Option<DVector<f64>> {
-    let mut normal = here.normal.clone();
-    let largest = normal.diagonal().amax();
-    for i in 0..normal.nrows() {
-        normal[(i, i)] += damping * normal[(i, i)] + f64::EPSILON * largest;
-    }
-    Some(normal.cholesky()?.solve(&here.right))
-}
-
 /// Keeps the best, none with constants like a better one's.
 fn best_of(all: &mut Vec<Fitted>, most: usize) {
     all.sort_by(|a, b| a.square.total_cmp(&b.square));
@@ -306,11 +288,4 @@ fn best_of(all: &mut Vec<Fitted>, most: usize) {
         }
     }
     *all = kept;
-}
-
-/// The range that holds a value.
-fn holding(ranges: &[(f64, f64)], value: f64) -> (f64, f64) {
-    let mut all = ranges.iter().copied();
-    all.find(|(from, to)| (*from..=*to).contains(&value))
-        .unwrap_or((value, value))
 }

@@ -192,11 +192,8 @@ impl Problem {
         free_scale: &[usize],
         offset: Option<&Offset>,
     ) -> Problem {
-        let n = self.states();
         let (given, sought) = hidden_laws(self);
         let course = |law: usize| {
-            let own = &self.system.laws[law];
-            let first = own.state + 1 - usize::from(own.target.der);
             let by = offset.filter(|o| o.law == law).map_or(&[][..], |o| &o.by);
             let shift = |row: &[f64]| -> f64 {
                 let at = |s: Signal| {
@@ -205,15 +202,7 @@ impl Problem {
                 };
                 by.iter().map(|(term, c)| c * term.eval(&at)).sum()
             };
-            let chain = |path: &Vec<f64>| {
-                let rows = || path.chunks_exact(n);
-                let along = |i: usize| rows().map(|row| row[i] + shift(row)).collect();
-                (first..=own.state).map(along).collect()
-            };
-            HiddenCourse {
-                law,
-                records: fit.paths().iter().map(chain).collect(),
-            }
+            HiddenCourse::along(self, law, fit.paths(), &shift)
         };
         let courses: Vec<HiddenCourse> = given.into_iter().chain(sought).map(course).collect();
         self.with_hidden_courses(&courses, free_scale)

@@ -18,6 +18,28 @@ pub(crate) struct HiddenCourse {
     pub records: Vec<Vec<Vec<f64>>>,
 }
 
+impl HiddenCourse {
+    /// The course of a law's variable along paths of all states, one for each record, samples × n; `shift` of a sample's states is added.
+    pub fn along(
+        problem: &Problem,
+        law: usize,
+        paths: &[Vec<f64>],
+        shift: &dyn Fn(&[f64]) -> f64,
+    ) -> HiddenCourse {
+        let own = &problem.system.laws[law];
+        let first = own.state + 1 - usize::from(own.target.der);
+        let chain = |path: &Vec<f64>| {
+            let rows = || path.chunks_exact(problem.states());
+            let along = |i: usize| rows().map(|row| row[i] + shift(row)).collect();
+            (first..=own.state).map(along).collect()
+        };
+        HiddenCourse {
+            law,
+            records: paths.iter().map(chain).collect(),
+        }
+    }
+}
+
 impl Problem {
     /// The problem whose hidden states start from these courses; those of `free_scale` laws are held at one sample.
     pub(crate) fn with_hidden_courses(

@@ -13,15 +13,6 @@ pub(super) struct Columns {
     pub coefficients: usize,
 }
 
-impl NullDirection {
-    /// Whether all powers are multiples of a twelfth, as those of scalings are.
-    pub fn is_rational(&self) -> bool {
-        let twelfths = self.changes.iter().map(|(_, x)| 12.0 * x);
-        let mut off = twelfths.map(|x| (x - x.round()).abs());
-        off.all(|off| off < STRUCTURAL.part)
-    }
-}
-
 impl Columns {
     pub fn parameters(self) -> usize {
         self.constants + self.coefficients
@@ -35,6 +26,15 @@ pub(super) struct NullDirection {
     pub changes: Vec<(usize, f64)>,
     /// Whether starts change.
     pub starts: bool,
+}
+
+impl NullDirection {
+    /// Whether all powers are multiples of a twelfth, as those of scalings are.
+    pub fn is_rational(&self) -> bool {
+        let twelfths = self.changes.iter().map(|(_, x)| 12.0 * x);
+        let mut off = twelfths.map(|x| (x - x.round()).abs());
+        off.all(|off| off < STRUCTURAL.part)
+    }
 }
 
 /// Directions along which no row changes but some constant does.

@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 
 use super::thresholds::STRUCTURAL;
 use crate::random::SplitMix;
-use crate::trajectory::hidden_states::SensitiveLaws;
+use crate::trajectory::hidden_states::{SensitiveLaws, between};
 use crate::trajectory::model::{Problem, indicator};
 use sidc_lang::model::UnknownConstant;
 use sidc_lang::term::{Expr, Signal, Term};
@@ -121,14 +121,7 @@ impl<'a> SensitiveSystem<'a> {
     /// Values of the constants within their ranges; coefficients with which every term moves its state by about its spread in a part of the record.
     fn parameters(&self, z: &[f64], exogenous: &[f64], numbers: &mut SplitMix) -> Option<Vec<f64>> {
         let mut parameters: Vec<f64> = (self.constants.iter())
-            .map(|c| {
-                let (from, to) = c.ranges()[0];
-                let part = 0.3 + 0.4 * numbers.unit();
-                match from * to > 0.0 {
-                    true => from * (to / from).powf(part),
-                    false => from + part * (to - from),
-                }
-            })
+            .map(|c| between(c.ranges()[0], 0.3 + 0.4 * numbers.unit()))
             .collect();
         let first = parameters.len();
         parameters.resize(self.laws.parameters, 1.0);
