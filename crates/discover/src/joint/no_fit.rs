@@ -17,7 +17,12 @@ pub fn nothing_fits(model: &Model, problem: &Problem) -> Discovery {
         .hidden_states()
         .map(|(_, v)| v.name.as_str())
         .collect();
-    let reason = if still.is_empty() && !hidden.is_empty() {
+    let reason = if still.is_empty() && problem.system.columns.is_empty() {
+        let text =
+            "these laws do not lead along the data, whatever start their constants were given";
+        let way = "look for a term or a sign that the laws lack, give narrower ranges, or record a calmer or shorter run";
+        Reason::new(ReasonCode::NoTrajectory, text).remedy(way)
+    } else if still.is_empty() && !hidden.is_empty() {
         let text = format!(
             "no course of the hidden {} was found from which these libraries lead along the data",
             hidden.join(", ")

@@ -39,7 +39,10 @@ fn error(model: &Model, problem: &Problem, direction: &UntoldDirection) -> Diagn
         Some(span) => d.at(span, "declared here"),
         None => d,
     };
-    d.help(way_out(model, &unknown, moves.len()))
+    d.help(match (&moves[..], direction.starts) {
+        ([_], false) => format!("let {unknown} act on what is read, or leave it out"),
+        _ => way_out(model, &unknown, moves.len()),
+    })
 }
 
 fn why(moves: &[(String, f64)], starts: bool) -> String {
