@@ -1,8 +1,8 @@
 //! A second method where regression errs: joint estimation of all equations and their trajectory. It errs where measured rates are bad, which the joint estimate
-//! does without, and where laws jump, since estimated derivatives are blurred there.
+//! does without, where laws jump, since estimated derivatives are blurred there, and where the errors of estimated derivatives hide which terms a law has.
 //!
 //! In: a program, its measured signals, the equations of the first method. Out: the equations of the method that passes, with a record of both. A method that
-//! the user chose is the only one tried. Other equations of clean records are not estimated again: there regression sees smaller errors.
+//! the user chose is the only one tried. Equations of clean records that pass and do not jump are not estimated again: regression is faster.
 
 use std::borrow::Cow;
 
@@ -15,13 +15,13 @@ use sidc_lang::library::Library;
 use sidc_lang::model::VarKind;
 use sidc_lang::term::Signal;
 use sidc_progress::Observer;
-use sidc_system::discovery::{Discovery, MethodComparison, ReasonCode};
+use sidc_system::discovery::{Cost, Discovery, MethodComparison, ReasonCode, SecondMethodReason};
 use sidc_system::switching::Switches;
 
 use super::joint::jointly;
 use super::measure::Measured;
 use super::program::Program;
-use super::thresholds::JUMPS;
+use super::thresholds::SECOND_METHOD;
 use crate::options::Options;
 
 /// The first equations, or those of the joint estimate if only these pass.
@@ -38,7 +38,7 @@ pub(super) fn passing_method(
     let Some(second) = Second::of(program, measured, &first) else {
         return first;
     };
-    let (dataset, jumps) = (second.dataset.as_ref(), second.jumps);
+    let (dataset, why) = (second.dataset.as_ref(), second.why);
     let Some(problem) = problem(program, &second, options, observer) else {
         return first;
     };
@@ -55,7 +55,7 @@ pub(super) fn passing_method(
         second: joint.clone(),
         second_doubts: second.doubt_codes(),
         given: if holds { joint } else { regression },
-        jumps,
+        why,
     };
     let given = if holds { &mut second } else { &mut first };
     given.record_ways(&ways);
@@ -65,8 +65,7 @@ pub(super) fn passing_method(
 /// What is estimated jointly.
 struct Second<'a> {
     dataset: Cow<'a, Dataset>,
-    /// Whether it is tried because laws may jump.
-    jumps: bool,
+    why: SecondMethodReason,
 }
 
 impl<'a> Second<'a> {
@@ -74,25 +73,31 @@ impl<'a> Second<'a> {
     fn of(program: &Program, measured: &'a Measured, first: &Discovery) -> Option<Second<'a>> {
         let equations = program.model.equations.iter();
         let targets: Vec<Signal> = equations.map(|e| e.target).collect();
-        if !targets.iter().any(|s| measured.dataset.has(*s)) {
-            let tried = is_affordable(program, measured) && may_jump(program, first);
-            return tried.then_some(Second {
-                dataset: Cow::Borrowed(&measured.dataset),
-                jumps: true,
+        if targets.iter().any(|s| measured.dataset.has(*s)) {
+            let is_open = !first.passes() && !library_is_insufficient(program, measured, first);
+            return is_open.then(|| Second {
+                dataset: Cow::Owned(measured.dataset.without(&targets)),
+                why: SecondMethodReason::MeasuredRates,
             });
         }
-        let is_open = !first.passes() && !library_is_insufficient(program, measured, first);
-        is_open.then(|| Second {
-            dataset: Cow::Owned(measured.dataset.without(&targets)),
-            jumps: false,
+        let why = match may_jump(program, first) {
+            true => SecondMethodReason::Jumps,
+            false if !program.model.discrete && terms_are_open(first) => {
+                SecondMethodReason::EstimatedRates
+            }
+            false => return None,
+        };
+        is_affordable(program, measured).then_some(Second {
+            dataset: Cow::Borrowed(&measured.dataset),
+            why,
         })
     }
 }
 
-/// Whether a joint search for laws that may jump takes some seconds only.
+/// Whether a joint search takes some seconds only.
 fn is_affordable(program: &Program, measured: &Measured) -> bool {
     let columns: usize = program.libraries.iter().flatten().map(Library::len).sum();
-    measured.samples.len().saturating_mul(columns) <= JUMPS.work
+    measured.samples.len().saturating_mul(columns) <= SECOND_METHOD.work
 }
 
 /// Whether equations that are found jump, or those that are doubted might.
@@ -115,6 +120,13 @@ fn may_jump(program: &Program, first: &Discovery) -> bool {
     offered
         .into_iter()
         .any(|t| Switches::jumps_in(t, &is_state))
+}
+
+/// Whether all doubts are about which terms a law has, or their coefficients: the terms found follow the readings.
+fn terms_are_open(first: &Discovery) -> bool {
+    let codes = first.doubt_codes();
+    let open = |code: &ReasonCode| matches!(code.cost(), Cost::Terms | Cost::Coefficients);
+    !codes.is_empty() && codes.iter().all(open)
 }
 
 /// Whether the doubts are about what the data show, not about limits, stops or a solver, chosen by the user, that proves nothing.
@@ -156,11 +168,10 @@ fn problem(
     observer: &mut dyn Observer,
 ) -> Option<Problem> {
     let (model, libraries) = (&program.model, &program.libraries);
-    // Clean records are estimated jointly only on request.
-    let method = if second.jumps {
-        Method::Joint
-    } else {
-        options.search.method
+    // By themselves, clean records are estimated by regression.
+    let method = match second.why {
+        SecondMethodReason::MeasuredRates => options.search.method,
+        SecondMethodReason::Jumps | SecondMethodReason::EstimatedRates => Method::Joint,
     };
     let search = discover::Options {
         method,

@@ -27,8 +27,8 @@ family! {
 }
 
 family! {
-    /// Laws that may jump, estimated jointly although the readings are clean.
-    pub(crate) JUMPS: PipelineJumps {
+    /// Equations estimated jointly although the readings are clean.
+    pub(crate) SECOND_METHOD: PipelineSecondMethod {
         /// Samples times candidate terms up to which that is tried.
         work: usize = 100_000, unit "values", source "it takes ten seconds there: the drive EMPS, 17,389 rows of 6 terms";
     }
@@ -61,7 +61,7 @@ pub fn thresholds() -> Vec<Table> {
     vec![
         PipelineBudget::table(),
         PipelineDelays::table(),
-        PipelineJumps::table(),
+        PipelineSecondMethod::table(),
         PipelineMissingStates::table(),
     ]
 }

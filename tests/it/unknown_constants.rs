@@ -281,7 +281,7 @@ fn a_frequency_in_a_wide_range_is_found_under_noise() {
         "unknown k in 0.02..50\nstate x\ninput u : linear\ndx ~ <1, x, x^2, x^3, u, sin(k*t)>\n";
     let (run, found) = identify(model, &data, &[]);
     let names: Vec<&str> = terms(&found).iter().map(|t| t.0).collect();
-    assert_eq!(names, ["x", "u", "sin(t*k)"], "{}", run.stdout);
+    assert_eq!(names, ["x", "u", "sin(k*t)"], "{}", run.stdout);
     let error = unknown(&found, "k")["standard_error"].as_f64().unwrap();
     let off = value(&found, "k") - 1.74;
     assert!(off.abs() < 3.5 * error, "{off} {error}");

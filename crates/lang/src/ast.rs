@@ -3,6 +3,10 @@
 //! Made by [`mod@super::parse`], read by [`super::check`]. Chains of one precedence are flat (`a + b - c` is one
 //! [`ExprKind::Sum`]), so depth is bounded by the nesting of brackets, never by the length of a line.
 
+mod unknown_groups;
+
+pub use unknown_groups::{UnknownGroup, unknown_groups};
+
 use crate::source::{FileId, Span};
 
 /// One `.sid` file, with each `include` replaced by the statements of the included file.
@@ -64,7 +68,8 @@ pub enum StatementKind {
         names: Vec<Expr>,
         attributes: Vec<Attribute>,
     },
-    /// `unknown k in 0.1 .. 10, unit "1/s"`; the range is an [`ExprKind::Range`].
+    /// `unknown k in 0.1 .. 10, unit "1/s"`; the range is an [`ExprKind::Range`]. Constants behind the first range stand among the
+    /// attributes, with their ranges as values: [`unknown_groups`] takes them apart.
     Unknown {
         names: Vec<Ident>,
         range: Option<Expr>,

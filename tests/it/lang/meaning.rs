@@ -356,3 +356,36 @@ fn coloured_text_says_the_same() {
     assert!(coloured.contains('\u{1b}') && !plain.contains('\u{1b}'));
     assert_eq!(coloured.lines().count(), plain.lines().count());
 }
+
+#[test]
+fn one_statement_declares_unknowns_with_ranges_of_their_own() {
+    let one = model(
+        "unknown a, b in 0.1..10, unit \"s\", c in 1..5, d, e in 2..4, per run\nstate x : unit \"m\"\n\
+         dx ~ <x/(a + b), x^c, x^d, x^e>\n",
+    );
+    let told = |m: &sidc_lang::model::Model| -> Vec<String> {
+        let unit = |v: VarId| m.var(v).and_then(|v| v.unit.clone()).is_some();
+        m.unknowns
+            .iter()
+            .map(|u| {
+                format!(
+                    "{} {:?} {} {}",
+                    m.variable(u.var),
+                    u.range,
+                    unit(u.var),
+                    u.per_run
+                )
+            })
+            .collect()
+    };
+    assert_eq!(
+        told(&one),
+        [
+            "a Some((0.1, 10.0)) true false",
+            "b Some((0.1, 10.0)) true false",
+            "c Some((1.0, 5.0)) false false",
+            "d Some((2.0, 4.0)) false true",
+            "e Some((2.0, 4.0)) false true",
+        ]
+    );
+}

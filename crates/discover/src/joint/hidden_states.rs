@@ -131,7 +131,7 @@ pub(crate) fn doubt(
         let names: Vec<(String, f64)> = (direction.iter())
             .map(|(p, power)| (named(model, problem, constants, *p), *power))
             .collect();
-        let reason = unidentifiable(&names);
+        let reason = unidentifiable(&names, problem.system.hidden.is_empty());
         let first = direction.iter().find_map(|(p, _)| match p {
             Parameter::Coefficient(j) => {
                 Some(problem.system.laws[problem.system.law_of(*j)].target)
@@ -190,8 +190,13 @@ fn values_of(model: &Model, constants: &[SoughtConstant]) -> String {
     named.collect::<Vec<_>>().join(", ")
 }
 
-fn unidentifiable(moves: &[(String, f64)]) -> Reason {
+fn unidentifiable(moves: &[(String, f64)], nothing_hidden: bool) -> Reason {
     let text = match moves {
+        [(name, _)] if nothing_hidden => {
+            format!(
+                "the readings do not tell {name}: near the value found nothing that is read depends on it"
+            )
+        }
         [(name, _)] => format!(
             "the readings do not tell {name}: {ANY_SCALE}, and nothing that is read changes"
         ),
@@ -200,7 +205,12 @@ fn unidentifiable(moves: &[(String, f64)]) -> Reason {
             changes_nothing(moves)
         ),
     };
-    Reason::new(ReasonCode::Unidentifiable, text)
+    let reason = Reason::new(ReasonCode::Unidentifiable, text);
+    match nothing_hidden {
+        true => reason
+            .remedy("state one of the parameters, or record where the terms that hold them bend"),
+        false => reason,
+    }
 }
 
 pub(super) const ANY_SCALE: &str = "a hidden state may have any scale beside it";

@@ -6,7 +6,9 @@
 
 use std::collections::BTreeSet;
 
-use crate::ast::{Expr, ExprKind, File, Ident, IndexRange, Side, Sign, Statement, StatementKind};
+use crate::ast::{
+    Expr, ExprKind, File, Ident, IndexRange, Side, Sign, Statement, StatementKind, unknown_groups,
+};
 use crate::check::errors;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
@@ -71,8 +73,13 @@ fn declared(file: &File) -> BTreeSet<String> {
                     }
                 }
             }
-            StatementKind::Unknown { names, .. } => {
-                all.extend(names.iter().map(|n| n.text.clone()))
+            StatementKind::Unknown {
+                names,
+                range,
+                attributes,
+            } => {
+                let groups = unknown_groups(names, range.as_ref(), attributes);
+                all.extend(groups.iter().flat_map(|g| &g.names).map(|n| n.text.clone()))
             }
             StatementKind::Let { name, .. } => drop(all.insert(name.text.clone())),
             _ => {}

@@ -1,7 +1,7 @@
 //! Prints terms in any notation, with the parentheses that operator precedence needs.
 //!
 //! In: terms and a [`Notation`], which says how numbers, names, calls, powers and products look. Out: text, and how tightly it binds.
-//! Never reorders factors.
+//! Unknown constants stand before the other factors, which keep their order.
 
 use crate::number::rounded;
 use crate::term::{Atom, Expr, Func, Signal, SignalNames, Term};
@@ -48,7 +48,10 @@ pub trait Notation {
 /// A term in the given notation, and how tightly its text binds.
 pub fn write_term(n: &impl Notation, term: &Term) -> (String, Precedence) {
     let (mut above, mut below) = (Vec::new(), Vec::new());
-    for (atom, p) in term.factors() {
+    let is_constant = |atom: &Atom| matches!(atom, Atom::Signal(signal) if n.is_constant(*signal));
+    let (constants, others): (Vec<_>, Vec<_>) =
+        term.factors().partition(|(atom, _)| is_constant(atom));
+    for (atom, p) in constants.into_iter().chain(others) {
         if p < 0.0 {
             below.push(write_factor(n, atom, -p));
         } else {
@@ -269,5 +272,23 @@ mod tests {
         assert_eq!(text(x().scale(4.0).pow(0.5)), "2*x^0.5");
         assert_eq!(text(x().scale(-2.0).pow(2.0)), "4*x^2");
         assert_eq!(text(x() - x()), "0");
+    }
+
+    #[test]
+    fn unknown_constants_come_first() {
+        struct WithConstant;
+        impl SignalNames for WithConstant {
+            fn variable(&self, var: VarId) -> &str {
+                Xyz.variable(var)
+            }
+            fn is_constant(&self, var: VarId) -> bool {
+                var.0 == 3
+            }
+        }
+        let z = || Expr::signal(Signal::new(VarId(3)));
+        let text = |e: Expr| Language(&WithConstant).expr(&e);
+        assert_eq!(text(x() * y() * z()), "z*x*y");
+        assert_eq!(text(y() / (x() * z().pow(2.0))), "y/(z^2*x)");
+        assert_eq!(text(x() * (z() + y())), "x*(y + z)");
     }
 }

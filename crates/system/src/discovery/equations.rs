@@ -192,9 +192,22 @@ pub struct MethodComparison {
     pub second_doubts: Vec<ReasonCode>,
     /// The way that gave these equations.
     pub given: String,
-    /// Whether the second was tried because laws may jump, and not because measured rates may be bad.
-    #[serde(skip_serializing_if = "std::ops::Not::not", default)]
-    pub jumps: bool,
+    /// Why the second was tried.
+    #[serde(default)]
+    pub why: SecondMethodReason,
+}
+
+/// Why a second way to the same equations is tried.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SecondMethodReason {
+    /// The measured rates may be bad; the second does without them.
+    #[default]
+    MeasuredRates,
+    /// A law jumps or may jump, and the first blurs jumps.
+    Jumps,
+    /// The rates were estimated from clean readings, and their errors may be the reason of the doubt; the second needs no rates.
+    EstimatedRates,
 }
 
 /// Two laws of one target, of which one follows from other equations of the system.

@@ -2,7 +2,7 @@
 //!
 //! In: two discoveries of one system. Out: the record of it in the evidence, and a notice. Never changes a term or a coefficient.
 
-use super::{Discovery, MethodComparison, Notice, ReasonCode};
+use super::{Discovery, MethodComparison, Notice, ReasonCode, SecondMethodReason};
 
 impl Discovery {
     /// The codes of all doubts and failures, each once.
@@ -36,7 +36,8 @@ impl Discovery {
             codes.join(", "),
             ways.second
         );
-        // Where laws jump, the joint estimate is the usual way.
-        (ways.given == ways.second && !ways.jumps).then(|| Notice::new("other-way", text))
+        // Where no rate was measured, the joint estimate is the usual way.
+        let without_rates = ways.why == SecondMethodReason::MeasuredRates;
+        (ways.given == ways.second && without_rates).then(|| Notice::new("other-way", text))
     }
 }

@@ -27,7 +27,7 @@ pub use coefficient_inference::{
 pub use correlations::Correlations;
 pub use equations::{
     Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, MethodComparison, NormGrading,
-    OtherLaw, PathKnot, Proof, RangeCertificate, Rearranged, Status, Variable,
+    OtherLaw, PathKnot, Proof, RangeCertificate, Rearranged, SecondMethodReason, Status, Variable,
 };
 pub use hidden_states::{HiddenStart, HiddenState, ScaleRule};
 pub use identifiability::{

@@ -54,20 +54,22 @@ pub(crate) fn constrained_step(
     let mut coefficients = fit.values.into_iter().next()?;
     set_to_bounds(&mut coefficients, rows);
     let errors = fit.standard_errors.into_iter().next()?;
+    let mut variances: Vec<f64> = errors.iter().map(|e| e * e).collect();
+    if free.variances.contains(&f64::INFINITY) {
+        // What the data alone do not determine, the rows may.
+        let own = constrained_covariances(qr, &coefficients, rows);
+        for (j, (variance, column)) in variances.iter_mut().zip(own).enumerate() {
+            if column.is_none_or(|column| !column[j].is_finite()) {
+                *variance = f64::INFINITY;
+            }
+        }
+    }
     let moved = coefficients.iter().zip(present);
-    let variances = errors.iter().zip(&free.variances);
     Some(ConstrainedStep {
         solution: Solution {
             coefficients: moved.map(|(a, b)| a - b).collect(),
             residual: fit.squares.iter().sum(),
-            variances: variances
-                .map(|(error, free)| match *error == 0.0 {
-                    true => 0.0,
-                    // What the data do not determine stays so, unless the rows fix it.
-                    false if free.is_infinite() => *free,
-                    false => error * error,
-                })
-                .collect(),
+            variances,
         },
         coefficients,
     })
@@ -251,6 +253,35 @@ mod tests {
         assert_eq!(step.coefficients[2], free.coefficients[2] - 1.0);
         assert_eq!(step.solution.variances[2], 0.0);
         assert!(step.solution.variances[3] < free.variances[3]);
+    }
+
+    #[test]
+    fn rows_determine_what_equal_columns_leave_open() {
+        let mut numbers = Numbers(13);
+        let mut qr = IncrementalQr::new(3);
+        let (mut a, mut y) = (DMatrix::zeros(20, 3), DVector::zeros(20));
+        for i in 0..20 {
+            let (first, last, right) = (numbers.next(), numbers.next(), numbers.next());
+            a.set_row(i, &nalgebra::RowDVector::from_vec(vec![first, first, last]));
+            y[i] = right;
+            let out = qr.reserve_rows(1);
+            out[..4].copy_from_slice(&[first, first, last, right]);
+        }
+        // Without the row, a₀ + a₁ alone is determined.
+        assert!(qr.solve().variances[1].is_infinite());
+        let tied = [row(&[(0, 1.0), (2, -1.0)], Sense::Equal, 0.0)];
+        let step = constrained_step(&mut qr, &[0.0; 3], &tied).unwrap();
+        assert_optimal(&a, &y, &step.coefficients, &tied);
+        let free = DMatrix::from_columns(&[a.column(0) + a.column(2), a.column(1).into_owned()]);
+        let inner = (free.transpose() * free).try_inverse().unwrap();
+        for (j, c) in [(0, 0), (1, 1), (2, 0)] {
+            let variance = step.solution.variances[j];
+            assert!((variance / inner[(c, c)] - 1.0).abs() < 1e-9, "{variance}");
+        }
+        // A row about something else does not.
+        let other = [row(&[(2, 1.0)], Sense::AtMost, step.coefficients[2] - 0.1)];
+        let step = constrained_step(&mut qr, &[0.0; 3], &other).unwrap();
+        assert!(step.solution.variances[1].is_infinite());
     }
 
     #[test]

@@ -2,7 +2,9 @@
 //!
 //! In: declarations. Out: variables in order of declaration, and every name that they make. Name clashes are reported with both places.
 
-use crate::ast::{ATTRIBUTES, Attribute, Expr, ExprKind, Keyword, Sign, StatementKind};
+use crate::ast::{
+    ATTRIBUTES, Attribute, Expr, ExprKind, Keyword, Sign, StatementKind, unknown_groups,
+};
 use crate::check::checker::Checker;
 use crate::check::errors;
 use crate::model::{Between, Delay, Var, VarKind};
@@ -65,7 +67,9 @@ impl Checker<'_> {
                 attributes,
             } = &s.kind
             {
-                self.declare_unknown(names, range.as_ref(), attributes);
+                for group in unknown_groups(names, range.as_ref(), attributes) {
+                    self.declare_unknown(&group);
+                }
             }
         }
         // Time has a unit only in a model with units.

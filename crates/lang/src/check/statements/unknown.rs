@@ -2,7 +2,7 @@
 //!
 //! In: the statement. Out: a variable without a column, and the range of its values.
 
-use crate::ast::{Attribute, Expr, ExprKind, Ident};
+use crate::ast::{Attribute, Expr, ExprKind, UnknownGroup};
 use crate::check::checker::Checker;
 use crate::check::errors;
 use crate::model::{UnknownConstant, Var, VarKind};
@@ -11,15 +11,10 @@ use crate::units::Unit;
 
 impl Checker<'_> {
     /// `unknown k in 0.1 .. 10, unit "1/s"`
-    pub(super) fn declare_unknown(
-        &mut self,
-        names: &[Ident],
-        range: Option<&Expr>,
-        attributes: &[Attribute],
-    ) {
-        let range = range.and_then(|r| self.unknown_range(r));
-        let (unit, per_run) = self.unknown_attributes(attributes);
-        for name in names {
+    pub(super) fn declare_unknown(&mut self, group: &UnknownGroup) {
+        let range = group.range.and_then(|r| self.unknown_range(r));
+        let (unit, per_run) = self.unknown_attributes(group.attributes);
+        for name in &group.names {
             let before = self.scope.vars.len();
             self.add_variable(Var {
                 name: name.text.clone(),
