@@ -329,3 +329,41 @@ fn no_other_term_passes_for_the_error_of_a_constant() {
         assert!(right || !passes, "seed {seed}: {}", run.stdout);
     }
 }
+
+/// With K held one standard error higher, each coefficient moves by its correlation with K times its own standard error.
+#[test]
+fn correlations_with_a_constant_say_how_coefficients_follow_it() {
+    let data = uptake(0.005, 3);
+    let (run, found) = identify(UPTAKE, &data, &[]);
+    let correlations = &found["correlations"][0];
+    let of = correlations["of"].as_array().expect("correlations");
+    let place = |target: &str, term: &str| {
+        let at = of.iter().position(|o| o[0] == target && o[1] == term);
+        at.unwrap_or_else(|| panic!("{term}: {correlations}"))
+    };
+    let between = |i: usize, j: usize| {
+        let (row, column) = (i.max(j), i.min(j));
+        correlations["below"][row * (row - 1) / 2 + column]
+            .as_f64()
+            .unwrap()
+    };
+    let error = unknown(&found, "K")["standard_error"].as_f64().unwrap();
+    let held = value(&found, "K") + error;
+    let declared = UPTAKE.lines().next().unwrap();
+    let model = UPTAKE.replace(declared, &format!("let K = {held}"));
+    let (_, moved) = identify(&model, &data, &[]);
+    let number = |v: &Value, key: &str| v[key].as_f64().unwrap();
+    let all = found["equations"][0]["terms"].as_array().unwrap();
+    let others = moved["equations"][0]["terms"].as_array().unwrap();
+    assert_eq!(all.len(), others.len(), "{}", run.stdout);
+    for (a, b) in all.iter().zip(others) {
+        let own = number(a, "standard_error");
+        let expected = between(place("dx", a["term"].as_str().unwrap()), place("", "K"));
+        let by = (number(b, "coefficient") - number(a, "coefficient")) / own;
+        assert!(
+            (by - expected).abs() < 0.15,
+            "{}: {by} {expected}",
+            a["term"]
+        );
+    }
+}

@@ -2,7 +2,8 @@
 
     python3 crates/studies/given/table.py [target/release/sidc] [--draws 10] [--level 0 0.01 0.05] [--only sir]
 
-Each draw has its own constants, a factor of up to three about a usual value, and its own start and noise; every constant is sought over two decades.
+Each draw has its own constants, a factor of up to three about a usual value, and its own start and noise; every constant is sought over two decades. Tanks that
+would run empty are drawn again.
 An answer is right if every constant is within 2 % (at 0 %: 1e-4) or four of its standard errors. The wrong law of each system, which lacks a term, should be
 doubted. Needs Python 3.9, numpy.
 """
@@ -50,7 +51,7 @@ SYSTEMS = {
         constants=dict(d=0.2, a=1.0, b=1.0), start=lambda c, g: [0.5, 0.0], rows=800, step=lambda c: 0.04, read="x", states="x : order 2", inputs="u",
         laws={"ddx": "-d*dx - a*x - b*x^3 + u"}, wrong={"ddx": "-d*dx - a*x + u"}),
     "two tanks, lower one read": dict(
-        constants=dict(k=0.5, a=0.8, b=0.4), start=lambda c, g: [0.5, 0.5], rows=600, step=lambda c: 0.05, read="h", states="g, h", inputs="u",
+        constants=dict(k=0.5, a=0.8, b=0.4), start=lambda c, g: [0.5, 0.5], rows=600, step=lambda c: 0.05, read="h", states="g, h", inputs="u", levels=True,
         laws={"dg": "k*u - a*sqrt(abs(g))", "dh": "a*sqrt(abs(g)) - b*sqrt(abs(h))"}, wrong={"dh": "a*sqrt(abs(g)) - b*h"}),
     "heater with a lag": dict(
         constants=dict(tau=2.0, g=0.6, a=0.2, T0=20.0), start=lambda c, g: [0.0, c["T0"]], rows=600, step=lambda c: 0.1, read="T", states="H, T",
@@ -127,8 +128,11 @@ def draw(program, name, seed, level):
     rng = np.random.default_rng([seed, *name.encode()])
     spread = system.get("spread", 3.0)
     known = system.get("known", {})
-    true = {k: known.get(k, v * spread ** rng.uniform(-1, 1)) for k, v in system["constants"].items()}
-    order, times, states = record(system, true, rng)
+    while True:
+        true = {k: known.get(k, v * spread ** rng.uniform(-1, 1)) for k, v in system["constants"].items()}
+        order, times, states = record(system, true, rng)
+        if not system.get("levels") or states.min() >= 0:
+            break
     columns = {"t": times}
     for signal in (n.strip() for n in system["read"].split(",")):
         clean = states[:, order.index(signal)]

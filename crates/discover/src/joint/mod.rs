@@ -15,6 +15,7 @@ mod disturbances;
 mod hidden_states;
 mod joint_fit;
 mod library_probe;
+mod named_correlations;
 pub(crate) mod no_fit;
 mod pooled_search;
 mod report;

@@ -7,6 +7,7 @@
 use std::borrow::Cow;
 
 use crate::doubts::constant_rules;
+use crate::joint::named_correlations::named_correlations;
 use crate::joint::weak_start::weak_start;
 use crate::needed_signals::needed_signals;
 use crate::options::Options;
@@ -318,6 +319,10 @@ impl Constants {
             UnknownValue::new(model.name(c.signal), c.value, error).of_run(run)
         });
         discovery.unknowns = told.collect();
+        let fit = (problem, found);
+        discovery.correlations = named_correlations(fit, &self.sought, discovery, watcher)
+            .into_iter()
+            .collect();
         if discovery.unknowns.is_empty() {
             self.doubt_absent(model, (problem, found), discovery);
         }

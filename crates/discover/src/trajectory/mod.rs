@@ -79,9 +79,9 @@ pub use residuals::{
 pub(crate) use search::minimum;
 pub use search::{
     Answer, BetterLaws, FittedConstants, Found, LawChange, Parameter, SearchObserver,
-    SoughtConstant, StartingSupport, fit_constants, fit_constants_by_levels, fit_constants_from,
-    laws_with_constants, search, search_beyond_libraries, search_disturbed, search_from_fit,
-    unidentifiable_directions, value_by_innovations, with_constant_values,
+    SoughtConstant, StartingSupport, error_correlations, fit_constants, fit_constants_by_levels,
+    fit_constants_from, laws_with_constants, search, search_beyond_libraries, search_disturbed,
+    search_from_fit, unidentifiable_directions, value_by_innovations, with_constant_values,
 };
 pub use sensor_faults::{
     DelayEstimate, DelayProposal, DelayedInputs, InputLag, SensorOffset, criterion_without_delay,

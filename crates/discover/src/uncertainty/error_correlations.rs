@@ -6,7 +6,8 @@ use sidc_lang::term::{Language, Signal, SignalNames, Term};
 use sidc_solve::QuadraticForm;
 use sidc_system::discovery::{BlockNormalEquations, Correlations, Discovery};
 
-/// `None` where terms hold unknown constants, whose errors are not in the normal equations, and where these are singular.
+/// `None` where terms hold unknown constants, whose errors are not in the normal equations, where these are singular, and where the result
+/// has the correlations already.
 pub(super) fn error_correlations(
     blocks: &BlockNormalEquations,
     names: &Discovery,
@@ -17,7 +18,12 @@ pub(super) fn error_correlations(
     for (_, term) in &found {
         term.for_each_signal(&mut |s| constants |= names.is_constant(s.var));
     }
-    if constants || found.is_empty() {
+    let has = |(target, term): &(Signal, Term)| {
+        let (target, term) = (names.name(*target), Language(names).term(term));
+        let mut known = names.correlations.iter();
+        known.any(|c| c.place(&target, &term).is_some())
+    };
+    if constants || found.is_empty() || found.iter().any(|c| has(c)) {
         return None;
     }
     let form = QuadraticForm::new(&blocks.whole, blocks.columns.len());

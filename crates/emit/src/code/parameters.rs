@@ -51,7 +51,7 @@ impl<'a> Parameters<'a> {
                 value: u.value,
                 error: at_least_rounding(u.value, u.standard_error),
                 unit: unit.map_or_else(String::new, |u| comment_safe(&u.to_string())),
-                place: Place::Nowhere,
+                place: place_of(d, "", &u.name),
             });
         }
         Parameters { all, d }
@@ -122,8 +122,6 @@ fn coefficient(
     names: &mut Identifiers,
 ) -> Parameter {
     let (target, term) = (d.name(equation.target), Language(d).term(&found.term));
-    let mut fits = d.correlations.iter().enumerate();
-    let place = fits.find_map(|(fit, c)| Some(Place::Fit(fit, c.place(&target, &term)?)));
     let unit = d.coefficient_unit(equation.target, &found.term);
     Parameter {
         name: names.fresh(&format!("{target}_{}", operators_as_words(&term))),
@@ -134,8 +132,15 @@ fn coefficient(
             (false, error) => at_least_rounding(found.coefficient, error),
         },
         unit: unit.map_or_else(String::new, |u| comment_safe(&u.to_string())),
-        place: place.unwrap_or(Place::Nowhere),
+        place: place_of(d, &target, &term),
     }
+}
+
+/// Where the correlations of a coefficient are, or of a constant, whose target is empty.
+fn place_of(d: &Discovery, target: &str, term: &str) -> Place {
+    let mut fits = d.correlations.iter().enumerate();
+    let place = fits.find_map(|(fit, c)| Some(Place::Fit(fit, c.place(target, term)?)));
+    place.unwrap_or(Place::Nowhere)
 }
 
 /// A term with operators as words, to be made a name: `dtheta^2*sin(theta)` is `dtheta2_sin(theta)`.
@@ -226,6 +231,12 @@ mod tests {
             }
         }
         assert_eq!(rows.len(), 5);
+        // A constant stands in no equation.
+        let with_constant = &mut d.correlations[1];
+        with_constant.of.push((String::new(), "K".into()));
+        with_constant.below = vec![0.5];
+        let rows = Parameters::new(&d).covariance().unwrap();
+        assert_eq!((rows[3][4], rows[4][0]), (0.0625, 0.0));
     }
 
     #[test]

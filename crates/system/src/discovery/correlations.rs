@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// The correlations of coefficients that one fit gave.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Correlations {
-    /// Each coefficient by the target of its equation and its term.
+    /// Each coefficient by the target of its equation and its term; an unknown constant by an empty target and its name.
     pub of: Vec<(String, String)>,
     /// The correlation of each with those before it, row by row below the diagonal.
     pub below: Vec<f64>,

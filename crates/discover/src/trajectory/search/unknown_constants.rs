@@ -311,7 +311,7 @@ pub(super) fn with_sensitivities(
 }
 
 /// Ties the slope columns of a constant: it changes by the same amount in all laws that hold it.
-fn tie(problem: &mut Problem, new: &[usize], owners: &[(usize, f64)]) {
+pub(super) fn tie(problem: &mut Problem, new: &[usize], owners: &[(usize, f64)]) {
     let columns: Vec<(usize, usize, f64)> = new
         .iter()
         .zip(owners)

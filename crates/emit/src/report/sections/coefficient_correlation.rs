@@ -19,7 +19,7 @@ pub(crate) fn html(s: &Subject) -> String {
     if each.is_empty() {
         return each;
     }
-    let how = "Errors of coefficients that were estimated together. Near 1 or −1 the data tell one combination of the two and not each.";
+    let how = "Errors of numbers that were estimated together. Near 1 or −1 the data tell one combination of the two and not each.";
     format!("<h3>Correlation of the errors</h3>\n{}{each}", lead(how))
 }
 
@@ -93,7 +93,9 @@ fn name(s: &Subject, c: &Correlations, place: usize) -> String {
         terms.find(|t| Language(d).term(&t.term) == *term)
     });
     let term = found.map_or_else(|| escape(term), |t| MathMl(d).term(&t.term));
-    let several = c.of.iter().any(|(other, _)| other != target);
+    // Constants stand in no equation.
+    let mut equations = c.of.iter().filter(|(other, _)| !other.is_empty());
+    let several = equations.any(|(other, _)| other != target);
     match (several, equation) {
         (true, Some(e)) => format!("{}: {term}", MathMl(d).symbol(e.target)),
         _ => term,
