@@ -49,6 +49,10 @@ fn feed(t: f64) -> f64 {
     0.5 + 0.4 * (0.7 * t).sin() + 0.3 * (1.9 * t).sin()
 }
 
+fn push(t: f64) -> f64 {
+    1.5 * (0.63 * t).sin() + (1.47 * t + 1.0).sin() + 0.7 * (2.77 * t + 2.0).sin()
+}
+
 /// Saturating uptake with maximum 1.5 and half-saturation concentration 0.8, read with this noise.
 fn uptake(noise: f64, seed: u64) -> String {
     let mut random = Random::new(seed);
@@ -100,8 +104,6 @@ fn a_range_is_proved_or_another_value_is_named() {
 /// A saturation among 490 terms: basis pursuit over the range proposes values that lead to the constant.
 #[test]
 fn a_constant_of_a_large_library_is_found() {
-    let push =
-        |t: f64| 1.5 * (0.63 * t).sin() + (1.47 * t + 1.0).sin() + 0.7 * (2.77 * t + 2.0).sin();
     let law = |t: f64, x: &[f64; 2]| {
         [
             x[1],
@@ -285,6 +287,22 @@ fn a_frequency_in_a_wide_range_is_found_under_noise() {
     let error = unknown(&found, "k")["standard_error"].as_f64().unwrap();
     let off = value(&found, "k") - 1.74;
     assert!(off.abs() < 3.5 * error, "{off} {error}");
+}
+
+/// Basis pursuit over the range explains the target by many sines times powers, of other frequencies.
+#[test]
+fn a_frequency_among_hundreds_of_terms_is_found() {
+    let law = |t: f64, s: &[f64; 2]| {
+        let [x, v] = *s;
+        [v, -1.3 * x - 0.2 * v - 1.1 * (0.83 * t).sin() + push(t)]
+    };
+    let data = table("x,u", 1000, [1.0, 0.0], &law, |t, s| vec![s[0], push(t)]);
+    let model = "unknown k in 0.3..2\nstate x : order 2\ninput u : linear\n\
+                 ddx ~ poly(x, dx, u; 4) * <1, sin(k*t)> * <1, sin x, cos x, exp(-x^2), sin dx, cos dx, exp(-x)>\n";
+    let (run, found) = identify(model, &data, &["--method", "regression"]);
+    let names: Vec<&str> = terms(&found).iter().map(|t| t.0).collect();
+    assert_eq!(names, ["x", "dx", "u", "sin(k*t)"], "{}", run.stdout);
+    assert!((value(&found, "k") - 0.83).abs() < 1e-3, "{}", run.stdout);
 }
 
 /// For x above 1, exp(-6*x) vanishes, so no data show it and no answer may pass.

@@ -93,8 +93,10 @@ def identify(program, family, order, seed, level):
     passed = bool(equations) and all(e["status"] == "pass" for e in equations)
     better = False
     if not exact:
-        here, true = (criterion(f, len(read)) for f in (found, run(program, order, law, columns)[0]))
-        better = here is None or true is not None and true < here
+        alone, _ = run(program, order, law, columns)
+        here, true = (criterion(f, len(read)) for f in (found, alone))
+        whole = sum(len(e["terms"]) for e in alone["equations"]) == len(law)
+        better = here is None or whole and true is not None and true < here
     return {"exact": exact, "better": better, "within": exact and (low <= k <= high or (level == 0 and near)), "wrong": passed and not exact, "seconds": seconds,
             "said": f"k {k:.3g}, found {value and value['value']}: {sorted(got)}"}
 

@@ -10,6 +10,7 @@ mod all_terms;
 mod effects;
 mod family;
 mod fewer_terms;
+mod greedy_points;
 mod maxima;
 mod profile;
 mod proposals;

@@ -5,7 +5,7 @@
 use std::borrow::Cow;
 
 use super::sought::{Sought, set_values, shared};
-use super::thresholds::{PRICING, UNKNOWNS};
+use super::thresholds::{GREEDY, PRICING, UNKNOWNS};
 use crate::dictionary::{compile, subtract};
 use crate::known_terms::fixed_terms;
 use crate::options::Options;
@@ -163,6 +163,13 @@ impl<'a> Profile<'a> {
         let largest = self.equations.iter().map(|e| e.library.slots()).max();
         let affordable = PRICING.columns / largest.unwrap_or(1).max(1);
         affordable.clamp(UNKNOWNS.least_values, UNKNOWNS.most_points)
+    }
+
+    /// The most points at which a few terms are chosen greedily.
+    pub fn most_points_of_greed(&self) -> usize {
+        let all: usize = self.equations.iter().map(|e| e.library.slots()).sum();
+        let affordable = GREEDY.columns / all.max(1);
+        affordable.clamp(UNKNOWNS.least_values, UNKNOWNS.most_points_of_whole)
     }
 
     /// Whether some library is too large to be searched whole at every point.

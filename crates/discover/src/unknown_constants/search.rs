@@ -6,6 +6,7 @@ use nalgebra::DMatrix;
 
 use super::all_terms;
 use super::fewer_terms::with_fewer_terms;
+use super::greedy_points;
 use super::profile::{Profile, ProfilePoint};
 use super::proposals::proposals;
 use super::search_points::{alike, apart, search_points};
@@ -38,15 +39,16 @@ pub fn minima(
         profile.remove_floors();
     }
     let large = profile.is_large();
-    let most = match large || profile.sought.len() > 1 {
-        true => profile.most_points(),
-        false => UNKNOWNS.most_points_of_whole,
+    let most = match (large, profile.sought.len()) {
+        (true, _) => profile.most_points_of_greed(),
+        (false, 1) => UNKNOWNS.most_points_of_whole,
+        (false, _) => profile.most_points(),
     };
     let dense = search_points(&profile.sought, &profile.terms(), (&profile.samples, most));
     let whole = all_terms::minima(&mut profile, &dense, observer);
     let every = dense.len().div_ceil(profile.most_points());
     let points = match large {
-        true => priced(&profile, dense, observer),
+        true => proposed(&mut profile, dense, every, observer),
         false => dense.into_iter().step_by(every).collect(),
     };
     // For a single constant the points are dense enough.
@@ -123,14 +125,24 @@ fn rough_minima(
     out
 }
 
-/// The values that basis pursuit over the ranges proposes; if there are none, a few of the points, since each will take a basis pursuit.
-fn priced(profile: &Profile, points: Vec<Vec<f64>>, observer: &mut dyn Observer) -> Vec<Vec<f64>> {
-    let proposed = proposals(profile, &points, observer);
-    let every = match proposed.is_empty() {
-        true => points.len().div_ceil(UNKNOWNS.most_points_of_large),
-        false => return proposed,
-    };
-    points.into_iter().step_by(every.max(1)).collect()
+/// Values that basis pursuit over the ranges proposes, from every `every`th point, or at which few terms describe the targets: those of the
+/// latter's least criterion.
+fn proposed(
+    profile: &mut Profile,
+    points: Vec<Vec<f64>>,
+    every: usize,
+    observer: &mut dyn Observer,
+) -> Vec<Vec<f64>> {
+    let mut all = greedy_points::minima(profile, &points, observer);
+    let points: Vec<Vec<f64>> = points.into_iter().step_by(every).collect();
+    for values in proposals(profile, &points, observer) {
+        if all.iter().all(|known| !alike(known, &values)) {
+            all.push(values);
+        }
+    }
+    let mut best = greedy_points::ranked(profile, all, observer);
+    best.truncate(PRICING.proposals);
+    best
 }
 
 /// The best of some points, no two with the same terms close to each other.

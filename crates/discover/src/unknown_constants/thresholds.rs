@@ -13,8 +13,6 @@ family! {
         most_points: usize = 300, unit "points", source "a library of thirty terms takes some 2 ms at each";
         /// Points at which all terms together are fitted, of a single constant.
         most_points_of_whole: usize = 1500, unit "points", source "sines over forty seconds with frequencies up to 50 differ so often";
-        /// The same as `unknowns.most_points` for libraries that are not searched whole at every point.
-        most_points_of_large: usize = 24, unit "points", source "each takes a solution of the basis pursuit on `unknowns.rows` rows";
         /// Terms of an equation by which values are spaced.
         compared_terms: usize = 50, unit "terms", source "set by hand: those of one family change alike";
         /// Cosine between the columns of a term at neighbouring values, below which one between them is compared too.
@@ -78,6 +76,20 @@ family! {
 }
 
 family! {
+    /// Greedy looks at many values of the constants of a large library.
+    pub(crate) GREEDY: GreedyPoints {
+        /// Columns at all points together.
+        columns: usize = 2_000_000, unit "columns", source "twelve products with all of them take one to nine seconds; with a quarter, a frequency among 2,184 terms is missed";
+        /// Terms that are taken.
+        terms: usize = 12, unit "terms", source "most that a law of one equation has; a greedy path takes some wrong ones first";
+        /// Minima that are kept.
+        minima: usize = 12, unit "points", source "as `pricing.proposals`";
+        /// Part of a column outside the columns taken, below which it is rounding.
+        own_part: f64 = 1e-7, unit "of the column", source "the square root of rounding: products of columns lose as much";
+    }
+}
+
+family! {
     /// The proof that an answer has the least norm over the range of a constant.
     pub(crate) RANGE_PROOF: RangeProofNumbers {
         /// Rows times columns at all values, above which nothing is proved.
@@ -110,6 +122,7 @@ pub(crate) fn tables() -> Vec<Table> {
     vec![
         Unknowns::table(),
         Pricing::table(),
+        GreedyPoints::table(),
         RangeProofNumbers::table(),
     ]
 }

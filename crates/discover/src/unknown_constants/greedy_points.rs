@@ -1,0 +1,88 @@
+//! A quick look at many values of the constants: how well a few terms describe the targets there, chosen greedily.
+//!
+//! In: the equations with their rows, values. Out: the values at local minima of the criterion, the least first. Refines nothing.
+//!
+//! Basis pursuit over the ranges can spread a term over columns of many others, so that the right value is proposed by none. At the right
+//! values themselves a few terms explain far more than elsewhere. Orthogonal matching pursuit (Pati, Rezaiifar and Krishnaprasad 1993) shows
+//! that at the price of a few products with Φ a point.
+
+use super::maxima::Grid;
+use super::profile::{Profile, ProfiledEquation};
+use super::sought::set_values;
+use super::thresholds::GREEDY;
+use crate::dictionary::compile;
+use sidc_progress::Observer;
+use sidc_solve::dictionary::Dictionary;
+use sidc_solve::simd::{axpy, dot};
+
+/// At most `greedy.minima` of the points.
+pub(super) fn minima(
+    profile: &mut Profile,
+    points: &[Vec<f64>],
+    observer: &mut dyn Observer,
+) -> Vec<Vec<f64>> {
+    let ranked = ranked(profile, points.to_vec(), observer);
+    let grid = Grid::new(&ranked);
+    let is_minimum = |p: &usize| !(0..*p).any(|better| grid.adjacent(better, *p));
+    let minima = (0..ranked.len()).filter(is_minimum);
+    minima
+        .take(GREEDY.minima)
+        .map(|p| ranked[p].clone())
+        .collect()
+}
+
+/// The points at which the terms have values, those of the least criterion first.
+pub(super) fn ranked(
+    profile: &mut Profile,
+    points: Vec<Vec<f64>>,
+    observer: &mut dyn Observer,
+) -> Vec<Vec<f64>> {
+    let mut seen: Vec<(f64, Vec<f64>)> = Vec::new();
+    for values in points {
+        if !observer.go_on() {
+            break;
+        }
+        set_values(&mut profile.samples, &profile.sought, &values);
+        let each = profile.equations.iter().map(|e| criterion(profile, e));
+        let whole: Option<f64> = each.sum();
+        seen.extend(whole.map(|c| (c, values)));
+    }
+    seen.sort_by(|a, b| a.0.total_cmp(&b.0));
+    seen.into_iter().map(|(_, values)| values).collect()
+}
+
+/// The least criterion of an equation along its greedy path; `None` where a term has no value.
+fn criterion(profile: &Profile, equation: &ProfiledEquation) -> Option<f64> {
+    let mut rest = equation.target_values(&profile.samples)?;
+    let phi = compile(&equation.library, &profile.samples, Some(&equation.row)).ok()?;
+    let square = |v: &[f64]| dot(v, v);
+    let mut least = equation.criterion.value(square(&rest), 0);
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    while basis.len() < GREEDY.terms.min(phi.rows()) {
+        let Some(direction) = best_direction(phi.as_ref(), &rest, &basis) else {
+            break;
+        };
+        let along = dot(&direction, &rest);
+        axpy(-along, &direction, &mut rest);
+        basis.push(direction);
+        least = least.min(equation.criterion.value(square(&rest), basis.len()));
+    }
+    least.is_finite().then_some(least)
+}
+
+/// The column along which most of the rest lies, made orthonormal to the basis; `None` where no column has a part of its own.
+fn best_direction(phi: &dyn Dictionary, rest: &[f64], basis: &[Vec<f64>]) -> Option<Vec<f64>> {
+    let (column, _) = phi.price(rest, 1, 0.0).columns.into_iter().next()?;
+    let mut direction = vec![0.0; rest.len()];
+    phi.column(column, &mut direction);
+    let whole = phi.norm(column);
+    for _ in 0..2 {
+        for b in basis {
+            let along = dot(b, &direction);
+            axpy(-along, b, &mut direction);
+        }
+    }
+    let own = dot(&direction, &direction).sqrt();
+    direction.iter_mut().for_each(|x| *x /= own);
+    (own > GREEDY.own_part * whole && own.is_finite()).then_some(direction)
+}
