@@ -13,21 +13,31 @@ use super::program::Program;
 use super::thresholds::BUDGET;
 use crate::options::Options;
 
-/// The maximum-likelihood values of the unknown constants; `None` if there are no unknown constants or no rows.
+/// Values of the unknown constants of a model.
+pub(super) struct Estimate {
+    /// Those of maximum likelihood.
+    pub values: Vec<f64>,
+    /// Those at other minima of the criterion.
+    pub others: Vec<Vec<f64>>,
+}
+
+/// `None` if there are no unknown constants or no rows.
 pub(super) fn estimate(
     program: &Program,
     (dataset, samples): (&Dataset, &Samples),
     options: &Options,
     observer: &mut dyn Observer,
-) -> Option<Vec<f64>> {
+) -> Option<Estimate> {
     let model = &program.model;
     if model.unknowns.is_empty() || samples.is_empty() {
         return None;
     }
     let of = (model, &program.libraries[..]);
     let search = &options.search;
-    let minima = unknown_constants::minima(of, (samples, 1), search, observer);
-    let mut values = minima.into_iter().next()?;
+    let wanted = unknown_constants::MinimaSought::of_rows();
+    let minima = unknown_constants::minima(of, (samples, wanted), search, observer);
+    let mut minima = minima.into_iter();
+    let mut values = minima.next()?;
     let sought = unknown_constants::sought(model, samples);
     for _ in 0..BUDGET.constant_rounds {
         let samples = unknown_constants::with_values(samples, &sought, &values);
@@ -45,7 +55,20 @@ pub(super) fn estimate(
             break;
         }
     }
-    Some(values)
+    let others = minima.collect();
+    Some(Estimate { values, others })
+}
+
+/// Doubts equations that other terms with other constants describe as well.
+pub(super) fn doubt_rivals(
+    program: &Program,
+    (samples, others): (&Samples, &[Vec<f64>]),
+    found: &mut Discovery,
+    options: &Options,
+    observer: &mut dyn Observer,
+) {
+    let of = (&program.model, &program.libraries[..]);
+    discover::doubt_rival_constants(of, (samples, others), found, (&options.search, observer));
 }
 
 /// Adds the constants' values and standard errors to a discovery, and the variance that they cause to that of the coefficients.

@@ -61,6 +61,8 @@ pub fn identify(
     constant_estimation::report_values(program, data, &mut discovery, options);
     constant_estimation::certify(program, &measured.samples, &mut discovery, observer);
     constant_estimation::doubt(program, &measured.samples, &mut discovery, options);
+    let rows = (&measured.samples, &measured.other_constants[..]);
+    constant_estimation::doubt_rivals(program, rows, &mut discovery, options, observer);
     rates::doubt(&mut discovery, &measured.dataset.rate_faults);
     let weighing = Weighing {
         program,

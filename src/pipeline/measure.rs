@@ -33,6 +33,8 @@ pub struct Measured {
     pub held_out: Vec<String>,
     /// Empty if the equations are estimated jointly.
     pub samples: Samples,
+    /// Values of the unknown constants at other minima of the criterion.
+    pub(super) other_constants: Vec<Vec<f64>>,
     /// The joint problem of all equations and their trajectory, if they are estimated that way.
     pub joint: Option<Problem>,
     /// Which signals were measured and which estimated.
@@ -172,13 +174,15 @@ pub fn measure(
         held,
         held_out: in_words(&hold_out, data),
         samples,
+        other_constants: Vec::new(),
         joint,
         report,
         narrowed,
     };
     let data = (measured.acting(), &measured.samples);
-    if let Some(values) = constant_estimation::estimate(program, data, options, observer) {
-        measured.set_constants(model, &values);
+    if let Some(found) = constant_estimation::estimate(program, data, options, observer) {
+        measured.set_constants(model, &found.values);
+        measured.other_constants = found.others;
     }
     finish(measured, diagnostics)
 }

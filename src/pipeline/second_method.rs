@@ -15,7 +15,9 @@ use sidc_lang::library::Library;
 use sidc_lang::model::VarKind;
 use sidc_lang::term::Signal;
 use sidc_progress::Observer;
-use sidc_system::discovery::{Cost, Discovery, MethodComparison, ReasonCode, SecondMethodReason};
+use sidc_system::discovery::{
+    Cost, Discovery, Mark, MethodComparison, ReasonCode, SecondMethodReason,
+};
 use sidc_system::switching::Switches;
 
 use super::joint::jointly;
@@ -82,12 +84,13 @@ impl<'a> Second<'a> {
         }
         let why = match may_jump(program, first) {
             true => SecondMethodReason::Jumps,
-            false if !program.model.discrete && terms_are_open(first) => {
+            false if program.model.discrete => return None,
+            false if terms_are_open(first) || may_imitate(first) => {
                 SecondMethodReason::EstimatedRates
             }
             false => return None,
         };
-        is_affordable(program, measured).then_some(Second {
+        is_affordable(program, measured, why).then_some(Second {
             dataset: Cow::Borrowed(&measured.dataset),
             why,
         })
@@ -95,9 +98,15 @@ impl<'a> Second<'a> {
 }
 
 /// Whether a joint search takes some seconds only.
-fn is_affordable(program: &Program, measured: &Measured) -> bool {
+fn is_affordable(program: &Program, measured: &Measured, why: SecondMethodReason) -> bool {
     let columns: usize = program.libraries.iter().flatten().map(Library::len).sum();
-    measured.samples.len().saturating_mul(columns) <= SECOND_METHOD.work
+    let most = match why {
+        SecondMethodReason::EstimatedRates if !program.model.unknowns.is_empty() => {
+            SECOND_METHOD.work_with_constants
+        }
+        _ => SECOND_METHOD.work,
+    };
+    measured.samples.len().saturating_mul(columns) <= most
 }
 
 /// Whether equations that are found jump, or those that are doubted might.
@@ -127,6 +136,14 @@ fn terms_are_open(first: &Discovery) -> bool {
     let codes = first.doubt_codes();
     let open = |code: &ReasonCode| matches!(code.cost(), Cost::Terms | Cost::Coefficients);
     !codes.is_empty() && codes.iter().all(open)
+}
+
+/// Whether the equations pass with unknown constants, but not all of their terms are firm: other terms at wrong constants can imitate a law
+/// within the errors of derivatives.
+fn may_imitate(first: &Discovery) -> bool {
+    let terms = first.equations.iter().flat_map(|e| &e.terms);
+    let mut marks = terms.filter_map(|t| t.evidence.as_ref()).map(|e| e.mark);
+    first.passes() && !first.unknowns.is_empty() && marks.any(|mark| mark != Mark::Firm)
 }
 
 /// Whether the doubts are about what the data show, not about limits, stops or a solver, chosen by the user, that proves nothing.

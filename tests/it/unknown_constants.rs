@@ -385,3 +385,28 @@ fn correlations_with_a_constant_say_how_coefficients_follow_it() {
         );
     }
 }
+
+/// exp(-(x/k)^2) at the right k, and two of its products at another, describe the derivatives of these exact readings alike.
+#[test]
+fn another_law_at_another_constant_is_a_tie_that_the_trajectory_decides() {
+    let sines = |t: f64| 0.9 * (0.5615 * t).sin() + 0.6 * (2.268 * t + 1.0).sin();
+    let feed = |t: f64| {
+        let from = (t / STEP + 1e-9).floor() * STEP;
+        sines(from) + (sines(from + STEP) - sines(from)) * (t - from) / STEP
+    };
+    let law = |t: f64, x: &[f64; 1]| {
+        [feed(t) - 0.5623 * x[0] - 1.6776 * (-(x[0] / 0.616).powi(2)).exp()]
+    };
+    let rows = table("x,u", 800, [1.0], &law, |t, x| vec![x[0], feed(t)]);
+    let model = "unknown k in 0.02..50\nstate x\ninput u : linear\n\
+                 dx ~ poly(x; 2) * <1, exp(-(x/k)^2)> * <1, cos x> + u\n";
+    let (run, found) = identify(model, &rows, &["--method", "regression"]);
+    assert!(run.stdout.contains("doubt[tie]"), "{}", run.stdout);
+    assert!(run.stdout.contains("} with k = "), "{}", run.stdout);
+    assert_eq!(terms(&found).len(), 4, "{}", run.stdout);
+    let (run, found) = identify(model, &rows, &[]);
+    let names: Vec<&str> = terms(&found).iter().map(|t| t.0).collect();
+    assert_eq!(names, ["x", "u", "exp(-x^2/k^2)"], "{}", run.stdout);
+    assert!(run.stdout.contains("law: passes"), "{}", run.stdout);
+    assert!((value(&found, "k") - 0.616).abs() < 1e-4, "{}", run.stdout);
+}

@@ -38,7 +38,7 @@ pub mod unknown_constants;
 
 pub use constrained::constraint_rows::check_constraints;
 pub use discover::discover;
-pub use doubts::constant_rules::doubt_constants;
+pub use doubts::constant_rules::{doubt_constants, doubt_rival_constants};
 pub use doubts::regression_rules::tie;
 pub use early_stop::{doubt_unassessed, unverified};
 pub use joint::no_fit::nothing_fits;

@@ -4,12 +4,13 @@
 
 use crate::doubts::thresholds::CONSTANT_DOUBTS;
 use crate::options::Options;
-use crate::unknown_constants::{ConstantEffect, constant_effects, sought};
+use crate::unknown_constants::{ConstantEffect, constant_effects, rivals, sought, values_of};
 use sidc_data::Samples;
 use sidc_lang::library::Library;
 use sidc_lang::model::{Model, UnknownConstant};
 use sidc_lang::number::significant;
 use sidc_lang::term::{Language, SignalNames};
+use sidc_progress::Observer;
 use sidc_system::discovery::{Discovery, Reason, ReasonCode, UnknownValue};
 
 /// Adds the doubts about the unknown constants of a discovery to its equations.
@@ -41,6 +42,51 @@ pub fn doubt_constants(
         let holding = holding.filter(|e| e.terms.iter().any(|t| t.term.mentions(number.signal())));
         for equation in holding {
             reasons.iter().cloned().for_each(|r| equation.doubt(r));
+        }
+    }
+}
+
+/// Doubts equations that other terms describe as well with other constants, of which `others` has values.
+pub fn doubt_rival_constants(
+    (model, libraries): (&Model, &[Option<Library>]),
+    (samples, others): (&Samples, &[Vec<f64>]),
+    found: &mut Discovery,
+    (options, observer): (&Options, &mut dyn Observer),
+) {
+    let all = sought(model, samples);
+    let Some(values) = values_of(samples, &all).filter(|_| !found.unknowns.is_empty()) else {
+        return;
+    };
+    let of = (model, libraries);
+    let rivals = rivals(of, (samples, &values, others), found, options, observer);
+    let least = rivals
+        .into_iter()
+        .min_by(|a, b| a.criterion.total_cmp(&b.criterion));
+    let Some(rival) = least else { return };
+    for (target, terms) in &rival.laws {
+        let written: Vec<String> = terms.iter().map(|t| Language(&*found).term(t)).collect();
+        let held = all.iter().zip(&rival.values);
+        let held = held.filter(|(s, _)| terms.iter().any(|t| t.mentions(s.signal())));
+        let held: Vec<String> = held
+            .map(|(s, value)| {
+                format!(
+                    "{} = {}",
+                    model.variable(s.unknown.var),
+                    significant(*value, 3)
+                )
+            })
+            .collect();
+        let with = match held.is_empty() {
+            true => String::new(),
+            false => format!(" with {}", held.join(", ")),
+        };
+        let text = format!(
+            "these data cannot tell this support from {{{}}}{with}",
+            written.join(", ")
+        );
+        let mut own = found.equations.iter_mut();
+        if let Some(equation) = own.find(|e| e.target == *target) {
+            equation.doubt(Reason::new(ReasonCode::Tie, text));
         }
     }
 }

@@ -17,7 +17,7 @@ use crate::trajectory::{
     laws_with_constants, likely_constants, unidentifiable_directions, with_constant_values,
     with_started_states,
 };
-use crate::unknown_constants::{self, Sought};
+use crate::unknown_constants::{self, MinimaSought, Sought};
 use sidc_data::{ConstantValue, Dataset, Samples, samples};
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
@@ -59,7 +59,11 @@ pub(crate) fn constant_starts(
         return starts;
     }
     let (rows, _, _) = samples(model, dataset, &needed_signals(model, libraries), watcher);
-    let minima = unknown_constants::minima(of, (&rows, CONSTANTS.ranked), options, watcher);
+    let wanted = MinimaSought {
+        most: CONSTANTS.ranked,
+        below_errors: true,
+    };
+    let minima = unknown_constants::minima(of, (&rows, wanted), options, watcher);
     let all = unknown_constants::sought(model, &rows);
     let points = unknown_constants::points(of, &rows, options);
     let minima = likeliest(of, (dataset, problem), (&all, minima), options, watcher);

@@ -16,6 +16,7 @@ mod profile;
 mod proposals;
 mod pursuit;
 mod range_proof;
+mod rivals;
 mod search;
 mod search_points;
 mod sought;
@@ -24,6 +25,7 @@ mod variable_projection;
 
 pub(crate) use effects::{ConstantEffect, constant_effects};
 pub use range_proof::range_certificates;
-pub use search::{ConstantErrors, constant_errors, minima, points, refine};
+pub use rivals::{RivalLaws, rivals};
+pub use search::{ConstantErrors, MinimaSought, constant_errors, minima, points, refine};
 pub(crate) use search_points::alike;
 pub use sought::{Sought, named_values, sought, values_of, with_values};

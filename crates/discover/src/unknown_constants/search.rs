@@ -21,10 +21,29 @@ use sidc_lang::term::Term;
 use sidc_progress::Observer;
 use sidc_system::discovery::Discovery;
 
-/// Values of the constants at local minima of the criterion of the best terms, the least first; at least one value, at most `most`.
+/// Which minima are sought.
+#[derive(Clone, Copy)]
+pub struct MinimaSought {
+    pub most: usize,
+    /// Whether residuals count that are smaller than the errors of the rows. They do where minima only start the estimate with the
+    /// trajectory, whose likelihood judges what the noise of the rows would hide.
+    pub below_errors: bool,
+}
+
+impl MinimaSought {
+    /// For equations found one by one: the best, and others whose laws are compared with the answer.
+    pub fn of_rows() -> MinimaSought {
+        MinimaSought {
+            most: 1 + UNKNOWNS.rivals,
+            below_errors: false,
+        }
+    }
+}
+
+/// Values of the constants at local minima of the criterion of the best terms, the least first; at least one.
 pub fn minima(
     (model, libraries): (&Model, &[Option<Library>]),
-    (samples, most): (&Samples, usize),
+    (samples, wanted): (&Samples, MinimaSought),
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Vec<Vec<f64>> {
@@ -34,8 +53,7 @@ pub fn minima(
     if profile.equations.is_empty() {
         return vec![start];
     }
-    if most > 1 {
-        // Here minima only start the estimate with the trajectory, whose likelihood judges what the noise of the rows would hide.
+    if wanted.below_errors {
         profile.remove_floors();
     }
     let large = profile.is_large();
@@ -82,7 +100,7 @@ pub fn minima(
     let starts = starts.into_iter().map(|s| s.values);
     let mut out: Vec<Vec<f64>> = Vec::new();
     for values in ends.chain(whole).chain(starts) {
-        if out.len() < most && out.iter().all(|o| !alike(o, &values)) {
+        if out.len() < wanted.most && out.iter().all(|o| !alike(o, &values)) {
             out.push(values);
         }
     }

@@ -34,6 +34,8 @@ family! {
         rounds: usize = 4, unit "rounds", source "set by hand";
         /// Rows times constants of a refinement at most: beyond, rows are left out evenly.
         room: usize = 20_000_000, unit "values", source "160 MB; two hundred runs with a value each then have 500 rows each";
+        /// Other minima whose laws are compared with the answer.
+        rivals: usize = 5, unit "points", source "each takes a search for terms at one value";
         /// Steps of a refinement.
         steps: usize = 40, unit "steps", source "Gauss–Newton gains at least a digit in each once near; ten more pass a valley";
         /// Step at which a refinement has settled.
