@@ -26,6 +26,7 @@ const LOOSER = [
   [/\.prediction\..*\.(error|linear)\./, 1e-6, "differences themselves, which grow along the horizon"],
   [/\.certificate(_range\[\d+\])?\./, 1e-5, "at unknown constants, which are found to a part of their standard error"],
   [/\.(coefficient|interval\[\d\]|standard_error|value|neighbour\[\d\])$/, 1e-6, "of noisy data: a search ends at a part of the standard error"],
+  [/^\.correlations\[\d+\]\.below\[\d+\]$/, 1e-5, "of estimates that end at a part of their standard errors"],
   [/\.(excitation\[\d+\]|isometry|leverage\[\d+\]|channels\[\d+\])\.|\.condition$/, 1e-6, "of states that such a search has found"],
 ];
 
