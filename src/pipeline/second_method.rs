@@ -2,7 +2,7 @@
 //! does without, where laws jump, since estimated derivatives are blurred there, and where the errors of estimated derivatives hide which terms a law has.
 //!
 //! In: a program, its measured signals, the equations of the first method. Out: the equations of the method that passes, with a record of both. A method that
-//! the user chose is the only one tried. Equations of clean records that pass and do not jump are not estimated again: regression is faster.
+//! the user chose is the only one tried. Equations of clean records whose terms are certain and do not jump are not estimated again: regression is faster.
 
 use std::borrow::Cow;
 

@@ -394,9 +394,8 @@ fn another_law_at_another_constant_is_a_tie_that_the_trajectory_decides() {
         let from = (t / STEP + 1e-9).floor() * STEP;
         sines(from) + (sines(from + STEP) - sines(from)) * (t - from) / STEP
     };
-    let law = |t: f64, x: &[f64; 1]| {
-        [feed(t) - 0.5623 * x[0] - 1.6776 * (-(x[0] / 0.616).powi(2)).exp()]
-    };
+    let law =
+        |t: f64, x: &[f64; 1]| [feed(t) - 0.5623 * x[0] - 1.6776 * (-(x[0] / 0.616).powi(2)).exp()];
     let rows = table("x,u", 800, [1.0], &law, |t, x| vec![x[0], feed(t)]);
     let model = "unknown k in 0.02..50\nstate x\ninput u : linear\n\
                  dx ~ poly(x; 2) * <1, exp(-(x/k)^2)> * <1, cos x> + u\n";

@@ -2,6 +2,7 @@
 //!
 //! In: a model, a discovery with its constants, rows. Out: reasons at the equations that hold them.
 
+use crate::doubts::regression_rules::cannot_tell;
 use crate::doubts::thresholds::CONSTANT_DOUBTS;
 use crate::options::Options;
 use crate::unknown_constants::{ConstantEffect, constant_effects, rivals, sought, values_of};
@@ -80,10 +81,7 @@ pub fn doubt_rival_constants(
             true => String::new(),
             false => format!(" with {}", held.join(", ")),
         };
-        let text = format!(
-            "these data cannot tell this support from {{{}}}{with}",
-            written.join(", ")
-        );
+        let text = cannot_tell(&written) + &with;
         let mut own = found.equations.iter_mut();
         if let Some(equation) = own.find(|e| e.target == *target) {
             equation.doubt(Reason::new(ReasonCode::Tie, text));

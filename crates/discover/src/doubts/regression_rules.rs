@@ -361,13 +361,13 @@ pub fn tie(ties: &[Vec<String>]) -> Option<Reason> {
         1 => String::new(),
         n => format!(", and {} more", n - 1),
     };
-    Some(Reason::new(
-        ReasonCode::Tie,
-        format!(
-            "these data cannot tell this support from {{{}}}{more}",
-            first.join(", ")
-        ),
-    ))
+    Some(Reason::new(ReasonCode::Tie, cannot_tell(first) + &more))
+}
+
+/// The beginning of a `tie`: the terms of another support.
+pub(super) fn cannot_tell(terms: &[String]) -> String {
+    let terms = terms.join(", ");
+    format!("these data cannot tell this support from {{{terms}}}")
 }
 
 /// Coefficients that could as well be zero, by their standard errors.

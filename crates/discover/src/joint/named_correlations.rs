@@ -14,24 +14,17 @@ pub(super) fn named_correlations(
     names: &Discovery,
     watcher: &mut EquationObserver,
 ) -> Option<Correlations> {
-    let all = error_correlations(problem, &found.best, constants, watcher)?;
-    let name = |parameter: &Parameter| match parameter {
+    let name = |parameter| match parameter {
         Parameter::Constant(k) => {
-            let constant = constants.get(*k).filter(|c| c.run.is_none())?;
+            let constant = constants.get(k).filter(|c| c.run.is_none())?;
             Some((String::new(), names.name(constant.signal)))
         }
-        Parameter::Coefficient(j) if problem.run_columns.get(*j).is_some() => None,
+        Parameter::Coefficient(j) if problem.run_columns.get(j).is_some() => None,
         Parameter::Coefficient(j) => {
-            let target = problem.system.laws[problem.system.law_of(*j)].target;
-            Some((names.name(target), Language(names).term(problem.term(*j))))
+            let target = problem.system.laws[problem.system.law_of(j)].target;
+            Some((names.name(target), Language(names).term(problem.term(j))))
         }
     };
-    let named: Vec<Option<(String, String)>> = all.of.iter().map(name).collect();
-    let kept: Vec<usize> = (0..named.len()).filter(|i| named[*i].is_some()).collect();
-    let pairs = kept.iter().enumerate();
-    let below = pairs.flat_map(|(row, i)| kept[..row].iter().map(move |j| i * (i - 1) / 2 + j));
-    Some(Correlations {
-        below: below.map(|place| all.below[place]).collect(),
-        of: named.into_iter().flatten().collect(),
-    })
+    let (of, below) = error_correlations(problem, &found.best, constants, name, watcher)?;
+    Some(Correlations { of, below })
 }

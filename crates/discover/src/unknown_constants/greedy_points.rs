@@ -12,8 +12,7 @@ use super::sought::set_values;
 use super::thresholds::GREEDY;
 use crate::dictionary::compile;
 use sidc_progress::Observer;
-use sidc_solve::dictionary::Dictionary;
-use sidc_solve::simd::{axpy, dot};
+use sidc_solve::{Omp, Problem};
 
 /// At most `greedy.minima` of the points.
 pub(super) fn minima(
@@ -53,36 +52,15 @@ pub(super) fn ranked(
 
 /// The least criterion of an equation along its greedy path; `None` where a term has no value.
 fn criterion(profile: &Profile, equation: &ProfiledEquation) -> Option<f64> {
-    let mut rest = equation.target_values(&profile.samples)?;
+    let target = equation.target_values(&profile.samples)?;
     let phi = compile(&equation.library, &profile.samples, Some(&equation.row)).ok()?;
-    let square = |v: &[f64]| dot(v, v);
-    let mut least = equation.criterion.value(square(&rest), 0);
-    let mut basis: Vec<Vec<f64>> = Vec::new();
-    while basis.len() < GREEDY.terms.min(phi.rows()) {
-        let Some(direction) = best_direction(phi.as_ref(), &rest, &basis) else {
-            break;
-        };
-        let along = dot(&direction, &rest);
-        axpy(-along, &direction, &mut rest);
-        basis.push(direction);
-        least = least.min(equation.criterion.value(square(&rest), basis.len()));
-    }
-    least.is_finite().then_some(least)
-}
-
-/// The column along which most of the rest lies, made orthonormal to the basis; `None` where no column has a part of its own.
-fn best_direction(phi: &dyn Dictionary, rest: &[f64], basis: &[Vec<f64>]) -> Option<Vec<f64>> {
-    let (column, _) = phi.price(rest, 1, 0.0).columns.into_iter().next()?;
-    let mut direction = vec![0.0; rest.len()];
-    phi.column(column, &mut direction);
-    let whole = phi.norm(column);
-    for _ in 0..2 {
-        for b in basis {
-            let along = dot(b, &direction);
-            axpy(-along, b, &mut direction);
-        }
-    }
-    let own = dot(&direction, &direction).sqrt();
-    direction.iter_mut().for_each(|x| *x /= own);
-    (own > GREEDY.own_part * whole && own.is_finite()).then_some(direction)
+    let problem = Problem {
+        dictionary: phi.as_ref(),
+        target: &target,
+        tolerance: 0.0,
+    };
+    let residuals = Omp::residuals(&problem, GREEDY.terms);
+    let path = residuals.iter().enumerate();
+    path.map(|(terms, left)| equation.criterion.value(left * left, terms))
+        .min_by(f64::total_cmp)
 }

@@ -25,7 +25,7 @@ mod variable_projection;
 
 pub(crate) use effects::{ConstantEffect, constant_effects};
 pub use range_proof::range_certificates;
-pub use rivals::{RivalLaws, rivals};
+pub(crate) use rivals::rivals;
 pub use search::{ConstantErrors, MinimaSought, constant_errors, minima, points, refine};
 pub(crate) use search_points::alike;
 pub use sought::{Sought, named_values, sought, values_of, with_values};

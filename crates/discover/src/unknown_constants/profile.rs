@@ -166,7 +166,7 @@ impl<'a> Profile<'a> {
     }
 
     /// The most points at which a few terms are chosen greedily.
-    pub fn most_points_of_greed(&self) -> usize {
+    pub fn most_greedy_points(&self) -> usize {
         let all: usize = self.equations.iter().map(|e| e.library.slots()).sum();
         let affordable = GREEDY.columns / all.max(1);
         affordable.clamp(UNKNOWNS.least_values, UNKNOWNS.most_points_of_whole)

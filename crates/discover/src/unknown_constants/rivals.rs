@@ -15,7 +15,7 @@ use sidc_progress::Observer;
 use sidc_system::discovery::Discovery;
 
 /// Laws at other values.
-pub struct RivalLaws {
+pub(crate) struct RivalLaws {
     /// A value for each constant, in order of declaration.
     pub values: Vec<f64>,
     /// The terms of each equation that has others than the answer.
@@ -25,7 +25,7 @@ pub struct RivalLaws {
 }
 
 /// Laws of other terms within a tie of the answer. Empty where constants differ between runs.
-pub fn rivals(
+pub(crate) fn rivals(
     (model, libraries): (&Model, &[Option<Library>]),
     (samples, values, others): (&Samples, &[f64], &[Vec<f64>]),
     found: &Discovery,

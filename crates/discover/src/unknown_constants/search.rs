@@ -58,7 +58,7 @@ pub fn minima(
     }
     let large = profile.is_large();
     let most = match (large, profile.sought.len()) {
-        (true, _) => profile.most_points_of_greed(),
+        (true, _) => profile.most_greedy_points(),
         (false, 1) => UNKNOWNS.most_points_of_whole,
         (false, _) => profile.most_points(),
     };

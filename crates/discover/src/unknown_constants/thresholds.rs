@@ -86,8 +86,6 @@ family! {
         terms: usize = 12, unit "terms", source "most that a law of one equation has; a greedy path takes some wrong ones first";
         /// Minima that are kept.
         minima: usize = 12, unit "points", source "as `pricing.proposals`";
-        /// Part of a column outside the columns taken, below which it is rounding.
-        own_part: f64 = 1e-7, unit "of the column", source "the square root of rounding: products of columns lose as much";
     }
 }
 

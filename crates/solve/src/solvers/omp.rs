@@ -5,7 +5,7 @@
 
 use sidc_progress::{Observer, SolverProgress};
 
-use super::presolve::presolve;
+use super::presolve::{is_finite, presolve};
 use crate::least_squares::refit;
 use crate::linalg::{norm, quotient};
 use crate::problem::{Problem, Solution, Status};
@@ -37,6 +37,28 @@ impl Solver for Omp {
         let mut pursuit = Pursuit::new(problem, target_norm);
         let end = pursuit.run(observer);
         pursuit.finish(end)
+    }
+}
+
+impl Omp {
+    /// ‖y − Φa‖₂ with no column, one, and so on, up to `most`; shorter where the residual falls within ε or no column lowers it. Empty if Φ
+    /// or y is not finite.
+    pub fn residuals(problem: &Problem, most: usize) -> Vec<f64> {
+        let target_norm = norm(problem.target);
+        if !is_finite(problem, target_norm) {
+            return Vec::new();
+        }
+        let mut out = vec![target_norm];
+        if target_norm <= problem.tolerance {
+            return out;
+        }
+        let mut pursuit = Pursuit::new(problem, target_norm);
+        let mut residual = 1.0;
+        while out.len() <= most && residual > pursuit.allowed && pursuit.step(residual).is_ok() {
+            residual = norm(&pursuit.residual);
+            out.push(target_norm * residual);
+        }
+        out
     }
 }
 
@@ -183,5 +205,40 @@ impl<'a> Pursuit<'a> {
             iterations: self.selected.len(),
             ..Solution::zero(self.problem, Status::Interrupted)
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dictionary::Dense;
+    use sidc_progress::Unwatched;
+    use sidc_random::Numbers;
+
+    #[test]
+    fn residuals_fall_from_the_target_to_the_answer() {
+        let mut numbers = Numbers(7);
+        let (rows, columns) = (30, 80);
+        let phi = Dense::new(rows, numbers.many(rows * columns));
+        let target = numbers.many(rows);
+        let problem = Problem {
+            dictionary: &phi,
+            target: &target,
+            tolerance: 0.2 * norm(&target),
+        };
+        let all = Omp::residuals(&problem, rows);
+        assert_eq!(all[0], norm(&target));
+        assert!(all.windows(2).all(|pair| pair[1] < pair[0]), "{all:?}");
+        let answer = Omp.solve(&problem, &mut Unwatched);
+        assert_eq!(all.len(), 1 + answer.iterations);
+        let support: Vec<usize> = answer.coefficients.iter().map(|(j, _)| *j).collect();
+        let fit = refit(&phi, &target, &support);
+        assert!((all[answer.iterations] / fit.residual - 1.0).abs() < 1e-9);
+        assert_eq!(Omp::residuals(&problem, 2), all[..3]);
+        let unknown = Problem {
+            target: &vec![f64::NAN; rows],
+            ..problem
+        };
+        assert!(Omp::residuals(&unknown, 2).is_empty());
     }
 }

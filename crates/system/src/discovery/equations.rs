@@ -206,7 +206,7 @@ pub enum SecondMethodReason {
     MeasuredRates,
     /// A law jumps or may jump, and the first blurs jumps.
     Jumps,
-    /// The rates were estimated from clean readings, and their errors may be the reason of the doubt; the second needs no rates.
+    /// The rates were estimated from clean readings, and their errors may hide which terms the law has; the second needs no rates.
     EstimatedRates,
 }
 

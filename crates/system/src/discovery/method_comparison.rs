@@ -37,7 +37,7 @@ impl Discovery {
             ways.second
         );
         // Where no rate was measured, the joint estimate is the usual way.
-        let without_rates = ways.why == SecondMethodReason::MeasuredRates;
-        (ways.given == ways.second && without_rates).then(|| Notice::new("other-way", text))
+        let rates_measured = ways.why == SecondMethodReason::MeasuredRates;
+        (ways.given == ways.second && rates_measured).then(|| Notice::new("other-way", text))
     }
 }

@@ -1,8 +1,8 @@
 //! Correlations between the errors of coefficients and unknown constants that were estimated together.
 //!
-//! In: a problem, a fit, the constants at their values. Out: parameters with their correlations. The sizes of errors come from elsewhere.
+//! In: a problem, a fit, the constants at their values, names. Out: names with their correlations. The sizes of errors come from elsewhere.
 
-use super::unidentifiable_directions::Parameter;
+use super::unidentifiable_directions::{Parameter, parameter_of};
 use super::unknown_constants::{
     SoughtConstant, tie, with_columns, with_constant_values, with_sensitivities,
 };
@@ -12,20 +12,16 @@ use crate::trajectory::likelihood::{EliminatedRecords, Fit};
 use crate::trajectory::model::Problem;
 use sidc_progress::Observer;
 
-/// Parameters that the readings determine, and of each the correlations with those before it, row by row.
-pub struct ParameterCorrelations {
-    pub of: Vec<Parameter>,
-    pub below: Vec<f64>,
-}
-
-/// From C = (AᵀA)⁻¹ of the rows of a fit, linearised in the constants too. `None` where no law holds a constant, where disturbances
-/// drive the laws, or if the observer ends the work.
-pub fn error_correlations(
+/// What the readings determine, by `name`, and of each the correlations with those before it, row by row; what has no name is left out. From
+/// C = (AᵀA)⁻¹ of the rows of a fit, linearised in the constants too. `None` where no law holds a constant, where disturbances drive the
+/// laws, or if the observer ends the work.
+pub fn error_correlations<N>(
     problem: &Problem,
     found: &Fit,
     constants: &[SoughtConstant],
+    name: impl Fn(Parameter) -> Option<N>,
     observer: &mut dyn Observer,
-) -> Option<ParameterCorrelations> {
+) -> Option<(Vec<N>, Vec<f64>)> {
     if found.point.process.is_some() {
         return None;
     }
@@ -43,18 +39,17 @@ pub fn error_correlations(
 
     // Of each parameter its place, and the sign of the weight that its column is divided by.
     let mut kept: Vec<(Parameter, usize, f64)> = Vec::new();
+    let mut names = Vec::new();
     for (place, column) in point.support.iter().enumerate() {
-        let (parameter, sign) = match extended.origin[*column] {
-            Some(own) => (Parameter::Coefficient(own), 1.0),
-            None => {
-                let (constant, weight) = owners[new.iter().position(|n| n == column)?];
-                (Parameter::Constant(constant), weight.signum())
-            }
-        };
-        let own = covariances[place].as_ref().map(|c| c[place]);
-        let is_determined = own.is_some_and(|v| v > 0.0 && v.is_finite());
+        let (parameter, weight) = parameter_of(*column, &extended, (&new, &owners))?;
+        let variance = covariances[place].as_ref().map_or(0.0, |c| c[place]);
+        let is_determined = variance > 0.0 && variance.is_finite();
         if is_determined && !kept.iter().any(|(known, ..)| *known == parameter) {
-            kept.push((parameter, place, sign));
+            let Some(name) = name(parameter) else {
+                continue;
+            };
+            kept.push((parameter, place, weight.signum()));
+            names.push(name);
         }
     }
     let mut below = Vec::new();
@@ -66,9 +61,6 @@ pub fn error_correlations(
             below.push(correlation.clamp(-1.0, 1.0));
         }
     }
-    let of = kept.into_iter().map(|(parameter, ..)| parameter).collect();
-    below
-        .iter()
-        .all(|r| r.is_finite())
-        .then_some(ParameterCorrelations { of, below })
+    let finite = below.iter().all(|r| r.is_finite());
+    finite.then_some((names, below))
 }

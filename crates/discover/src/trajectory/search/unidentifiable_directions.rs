@@ -68,6 +68,19 @@ pub fn unidentifiable_directions(
     all.collect()
 }
 
+/// The parameter of a column of a problem with sensitivities, and the weight that the column is divided by.
+pub(super) fn parameter_of(
+    column: usize,
+    extended: &ExtendedProblem,
+    (new, owners): (&[usize], &[(usize, f64)]),
+) -> Option<(Parameter, f64)> {
+    if let Some(own) = extended.origin[column] {
+        return Some((Parameter::Coefficient(own), 1.0));
+    }
+    let (constant, weight) = owners[new.iter().position(|n| *n == column)?];
+    Some((Parameter::Constant(constant), weight))
+}
+
 /// A triangular matrix; column j is the change of the readings, in standard deviations, when parameter j changes by its own size.
 fn relative_changes(
     problem: &Problem,
@@ -80,11 +93,7 @@ fn relative_changes(
             let none: Vec<Vec<_>> = vec![Vec::new(); problem.system.laws.len()];
             (problem.with_extra_columns(&none), Vec::new(), Vec::new())
         });
-    let ExtendedProblem {
-        problem: of,
-        origin,
-    } = &extended;
-    let mut of = of.clone();
+    let mut of = extended.problem.clone();
     // Hidden states that are held, for their scale or for want of readings, would make it seem determined.
     of.pins.clear();
     of.hold = HOLD;
@@ -112,14 +121,11 @@ fn relative_changes(
     let mut parameters: Vec<Parameter> = Vec::new();
     let mut columns: Vec<Vec<f64>> = Vec::new();
     for (place, (j, a)) in point.active().iter().enumerate() {
-        let (parameter, changes) = match origin[*j] {
-            Some(own) if set(own) => continue,
-            Some(own) => (Parameter::Coefficient(own), column(place, *a)),
-            None => {
-                let (constant, weight) = owners[new.iter().position(|n| n == j)?];
-                let times = weight * constants[constant].value;
-                (Parameter::Constant(constant), column(place, times))
-            }
+        let (parameter, weight) = parameter_of(*j, &extended, (&new, &owners))?;
+        let changes = match parameter {
+            Parameter::Coefficient(own) if set(own) => continue,
+            Parameter::Coefficient(_) => column(place, *a),
+            Parameter::Constant(k) => column(place, weight * constants[k].value),
         };
         // A constant changes all laws that hold it.
         match parameters.iter().position(|p| *p == parameter) {
