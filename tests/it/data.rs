@@ -329,10 +329,8 @@ fn an_entry_without_its_column_names_the_likely_one() {
 fn strange_records_are_told() {
     let time = grid(200, 0.05);
     let wrapped = |t: f64| (2.0 * t + 3.0).rem_euclid(std::f64::consts::TAU) - 3.0;
-    let mut irregular = time.clone();
-    for (k, t) in irregular.iter_mut().enumerate() {
-        *t += 0.01 * (k as f64 * 1.7).sin();
-    }
+    let late = |t: f64| t + 0.01 * (t / 0.05 * 1.7).sin();
+    let irregular: Vec<f64> = time.iter().map(|t| late(*t)).collect();
     let mut broken = time.clone();
     broken.iter_mut().skip(120).for_each(|t| *t += 3.0);
     let with_holes = csv("t,x,u", &time, &[&f64::sin, &|t| t.floor() % 3.0])
@@ -359,6 +357,10 @@ fn strange_records_are_told() {
         (
             "irregular steps",
             csv("t,x,u", &irregular, &[&f64::sin, &f64::cos]),
+        ),
+        (
+            "stamps that scatter",
+            csv("tick,t,x,u", &time, &[&late, &f64::sin, &f64::cos]),
         ),
         (
             "a gap in time",

@@ -64,6 +64,7 @@ mod sparsest;
 mod stiff;
 mod symbolic;
 mod thresholds;
+mod time_stamps;
 mod units;
 mod unknown_by_run;
 mod unknown_constants;

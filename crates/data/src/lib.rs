@@ -17,6 +17,7 @@ mod dataset;
 mod delays;
 mod derivatives;
 pub mod draft;
+mod even_clock;
 mod intersample;
 mod rate_columns;
 mod sample_assembly;
@@ -46,6 +47,7 @@ pub use time_axis::{contiguous_ranges, gaps, snap_to_even_grid};
 pub fn thresholds() -> Vec<sidc_thresholds::Table> {
     vec![
         time_axis::thresholds::TimeAxisThresholds::table(),
+        even_clock::ClockThresholds::table(),
         intersample::IntersampleThresholds::table(),
         checks::thresholds::RecordChecks::table(),
         checks::thresholds::TimeChecks::table(),

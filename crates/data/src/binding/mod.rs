@@ -177,7 +177,7 @@ fn bind_run<'a>(
             out.push(d);
             return None;
         }
-        sampling_times::check_steps(&name, &rows, &mut values, table, model.discrete, out);
+        sampling_times::check_steps(&name, &rows, &mut values, table, out);
         time = Some(values);
     }
     if rows.is_empty() {
@@ -188,6 +188,10 @@ fn bind_run<'a>(
         .filter(|(s, _)| *s != Signal::TIME)
         .map(|(s, source)| (*s, column_sources::evaluate(*source, table, &rows)))
         .collect();
+    if let Some(time) = &mut time {
+        let readings = readings(model, &signals);
+        sampling_times::check_evenness(&name, time, &readings, model.discrete, out);
+    }
     let numbers = || (0..rows.len()).map(|k| k as f64).collect::<Vec<f64>>();
     let time = match (time, model.data.step) {
         (Some(t), _) if model.discrete => {
@@ -217,6 +221,16 @@ fn bind_run<'a>(
             columns: signals,
         },
     })
+}
+
+/// What sensors read of the moving system.
+fn readings<'a>(model: &Model, signals: &'a [(Signal, Vec<f64>)]) -> Vec<&'a [f64]> {
+    let moves = |s: &Signal| {
+        let kind = model.var(s.var).map(|v| v.kind);
+        matches!(kind, Some(VarKind::State | VarKind::Output))
+    };
+    let moving = signals.iter().filter(|(s, _)| moves(s));
+    moving.map(|(_, values)| values.as_slice()).collect()
 }
 
 /// The column that numbers the trajectories, if the model names one.

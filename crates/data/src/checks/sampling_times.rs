@@ -9,6 +9,7 @@ use sidc_lang::source::Sources;
 use super::number_format::shown;
 use super::thresholds::TIMES;
 use crate::csv::Table;
+use crate::even_clock::{EvenClock, even_clock};
 use crate::series::rows_of_steps;
 use crate::time_axis;
 use crate::time_axis::thresholds::TIME_AXIS;
@@ -94,13 +95,12 @@ fn run_candidate<'a>(
         .map(|(_, h)| h.as_str())
 }
 
-/// Puts rounded times back on their grid; reports gaps and irregular steps.
+/// Puts rounded times back on their grid; reports gaps.
 pub(crate) fn check_steps(
     name: &str,
     rows: &[usize],
     time: &mut Vec<f64>,
     table: &Table,
-    discrete: bool,
     out: &mut Vec<Diagnostic>,
 ) {
     let Some(s) = time_axis::step_statistics(time) else {
@@ -129,7 +129,7 @@ pub(crate) fn check_steps(
         return;
     }
     let gaps = time_axis::gaps(time);
-    let (min, median, max) = (s.min, s.median, s.max);
+    let (median, max) = (s.median, s.max);
     if let Some(first) = gaps.first() {
         let row = rows.get(*first).copied().unwrap_or(0);
         let n = gaps.len();
@@ -145,8 +145,31 @@ pub(crate) fn check_steps(
             .fact("nothing is estimated across a gap"),
         );
     }
+}
+
+/// Puts readings of an even clock whose stamps scatter back on its instants; reports irregular steps.
+pub(crate) fn check_evenness(
+    name: &str,
+    time: &mut Vec<f64>,
+    readings: &[&[f64]],
+    discrete: bool,
+    out: &mut Vec<Diagnostic>,
+) {
+    let Some(s) = time_axis::step_statistics(time) else {
+        return;
+    };
+    let (min, median, max) = (s.min, s.median, s.max);
     let within = time.windows(2).map(|w| w[1] - w[0]).filter(|d| *d <= s.gap);
     let (low, high) = within.fold((f64::INFINITY, 0.0), |(a, b), d| (a.min(d), f64::max(b, d)));
+    // Instants off a grid by the tolerance make steps that differ by four of it at most.
+    if high - low <= 4.0 * TIME_AXIS.tolerance * median {
+        return;
+    }
+    if !discrete && let Some(clock) = even_clock(time, readings) {
+        out.push(jitter(name, &clock));
+        *time = clock.time;
+        return;
+    }
     if high - low <= TIMES.even_steps * median {
         return;
     }
@@ -177,4 +200,21 @@ pub(crate) fn check_steps(
             .fact("the times are used as they are"),
         );
     }
+}
+
+fn jitter(name: &str, clock: &EvenClock) -> Diagnostic {
+    Diagnostic::warning(
+        "time-jitter",
+        format!("{name}: the time stamps scatter, the instants of the readings do not"),
+    )
+    .fact(format!(
+        "stamps lie {:.1e} s off even steps of {:.6} s (standard deviation)",
+        clock.scatter, clock.step
+    ))
+    .fact(format!(
+        "in {} of {} windows the readings are smoother over even steps than over the stamps",
+        clock.smoother, clock.windows
+    ))
+    .fact("even steps are used")
+    .help("nothing needs to be done if a computer stamped what a clock had sampled")
 }

@@ -22,6 +22,7 @@ pub(crate) mod thresholds;
 pub(crate) use difference_noise::{MEDIAN_OF_ABS_NORMAL, noise_level};
 pub use difference_noise::{difference_noise, is_smooth};
 pub(crate) use estimate::{Estimate, Stopped};
+pub(crate) use orthonormal_polynomials::OrthonormalBasis;
 pub(crate) use quantization_noise::quantization_noise;
 
 use sidc_progress::Observer;

@@ -9,7 +9,7 @@
 const MAX_DERIVATIVE_ORDER: usize = 3;
 /// Orthonormal polynomials on a window, and how each follows from those before it.
 #[derive(Debug)]
-pub(super) struct OrthonormalBasis {
+pub(crate) struct OrthonormalBasis {
     /// Values of each polynomial at the window's points.
     values: Vec<Vec<f64>>,
     /// q_k = (τ q_{k−1} − Σ overlaps_j q_j) / norm
@@ -18,7 +18,7 @@ pub(super) struct OrthonormalBasis {
 
 impl OrthonormalBasis {
     /// Degrees 0…`degree` on the points `tau`, increasing and of order 1; `degree` < number of points.
-    pub(super) fn new(tau: &[f64], degree: usize) -> Self {
+    pub(crate) fn new(tau: &[f64], degree: usize) -> Self {
         let mut basis = OrthonormalBasis {
             values: Vec::with_capacity(degree + 1),
             recurrence: Vec::with_capacity(degree + 1),
@@ -40,6 +40,16 @@ impl OrthonormalBasis {
             basis.recurrence.push((overlaps, norm));
         }
         basis
+    }
+
+    /// What the least-squares fit of the basis's degree leaves of the window's values: the sum of squares.
+    pub(crate) fn residual_sum(&self, values: &[f64]) -> f64 {
+        let mut left = values.to_vec();
+        for q in &self.values {
+            let share = dot(q, &left);
+            left.iter_mut().zip(q).for_each(|(v, u)| *v -= share * u);
+        }
+        dot(&left, &left)
     }
 
     /// Weights that give derivative `order` at `x` of the least-squares fit of `degree`, in the window's units.
