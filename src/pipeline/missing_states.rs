@@ -64,10 +64,19 @@ pub(super) fn propose(
         scope: SearchScope::Disturbances,
         observer: &mut quiet,
     };
-    let own = description.or_else(|| Some(trial.describe(program)?.1));
-    let Some(own) = own.filter(|o| o.leaves_more_than_noise() || is_late(found)) else {
+    let (sketch, own) = match description {
+        Some(own) => (None, Some(own)),
+        None => trial.describe(program).unzip(),
+    };
+    let delay = sketch.as_ref().and_then(delay_of_input);
+    let late = delay.is_some() || is_late(found);
+    let Some(own) = own.filter(|o| o.leaves_more_than_noise() || late) else {
         return;
     };
+    if let (Some(reason), true) = (&delay, sketch.as_ref().is_some_and(explained_by_delay)) {
+        tell(found, &doubted, reason, true);
+        return;
+    }
     if !own.is_disturbed() {
         trial.scope = SearchScope::Sensors;
     }
@@ -80,7 +89,13 @@ pub(super) fn propose(
     // Of models that the readings cannot distinguish, the first is given.
     let better = |a: &Proposal, b: &Proposal| a.description.is_better_than(&b.description);
     let best = (tried.iter()).reduce(|best, one| if better(one, best) { one } else { best });
-    let Some(best) = best.filter(|_| trial.observer.go_on()) else {
+    if !trial.observer.go_on() {
+        return;
+    }
+    let Some(best) = best else {
+        if let Some(reason) = &delay {
+            tell(found, &doubted, reason, true);
+        }
         return;
     };
     let others = tried.iter().filter(|o| o.added != best.added);
@@ -89,6 +104,8 @@ pub(super) fn propose(
     if best.description.is_better_than(&own) {
         let gain = best.description.gain_over(&own);
         tell(found, &doubted, &best.reason(gain, &alike), explains);
+    } else if let Some(reason) = &delay {
+        tell(found, &doubted, reason, true);
     } else if explains && is_late(found) && !own.is_better_than(&best.description) {
         tell(found, &doubted, &best.instead_of_delay(), false);
     }
@@ -178,6 +195,24 @@ fn explained_by_delay(found: &Discovery) -> bool {
 /// Whether the answer is for inputs that act later than recorded.
 fn is_late(found: &Discovery) -> bool {
     found.doubt_codes().contains(&ReasonCode::InputDelay)
+}
+
+/// The delay of inputs under which equations were found that are not the answer, with these.
+fn delay_of_input(sketch: &Discovery) -> Option<Reason> {
+    let mut reasons = sketch.equations.iter().flat_map(|e| &e.reasons);
+    let late = reasons.find(|r| r.code == ReasonCode::InputDelay)?;
+    let text = format!("{}: {}", late.text, laws_in_short(sketch).join(", "));
+    let change = late.remedy.as_ref()?.change.clone()?;
+    let way = "if that can be, declare it";
+    Some(Reason::new(ReasonCode::InputDelay, text).change(way, change))
+}
+
+/// The laws that were searched, or all if all were given.
+fn laws_in_short(found: &Discovery) -> Vec<String> {
+    let searched = |e: &&Equation| e.terms.iter().any(|t| !t.fixed);
+    let all_given = !found.equations.iter().any(|e| searched(&e));
+    let laws = found.equations.iter().filter(|e| all_given || searched(e));
+    laws.map(|e| found.in_short(e, MISSING.figures)).collect()
 }
 
 /// The equations whose residuals exceed the sensor's noise, as those of a missing state would, or that a disturbance drives.
@@ -337,16 +372,12 @@ impl Proposal {
 
     /// What is found: the laws and the time constant.
     fn equations(&self) -> Vec<String> {
-        let found = &self.found;
-        let searched = |e: &&Equation| e.terms.iter().any(|t| !t.fixed);
-        let all_given = !found.equations.iter().any(|e| searched(&e));
-        let laws = found.equations.iter().filter(|e| all_given || searched(e));
-        let laws = laws.map(|e| found.in_short(e, MISSING.figures));
-        let constants = found.unknowns.iter().map(|u| {
+        let constants = self.found.unknowns.iter().map(|u| {
             let value = significant(u.value, MISSING.figures);
             format!("{} = {value}", u.name)
         });
-        laws.chain(constants).collect()
+        let laws = laws_in_short(&self.found);
+        laws.into_iter().chain(constants).collect()
     }
 }
 

@@ -13,10 +13,10 @@ use sidc_discover::identifiability::leaves_motion;
 use sidc_discover::trajectory::Problem;
 use sidc_lang::library::Library;
 use sidc_lang::model::VarKind;
-use sidc_lang::term::Signal;
+use sidc_lang::term::{Signal, Term};
 use sidc_progress::Observer;
 use sidc_system::discovery::{
-    Cost, Discovery, Mark, MethodComparison, ReasonCode, SecondMethodReason,
+    Cost, Discovery, Equation, Mark, MethodComparison, ReasonCode, SecondMethodReason,
 };
 use sidc_system::switching::Switches;
 
@@ -48,7 +48,9 @@ pub(super) fn passing_method(
     let Ok((mut second, _)) = jointly(program, dataset, &problem, options, observer) else {
         return first;
     };
-    let holds = second.passes();
+    // Where both pass with the same terms, regression is the more accurate: its rows hold the inputs as they were read, not what they were in between.
+    let confirms = why == SecondMethodReason::EstimatedRates && first.passes();
+    let holds = second.passes() && !(confirms && have_the_same_terms(&first, &second));
     let name = |method: Method| method.chosen().to_owned();
     let (regression, joint) = (name(Method::Regression), name(Method::Joint));
     let ways = MethodComparison {
@@ -62,6 +64,19 @@ pub(super) fn passing_method(
     let given = if holds { &mut second } else { &mut first };
     given.record_ways(&ways);
     if holds { second } else { first }
+}
+
+/// Whether two answers have the same terms, in any order.
+fn have_the_same_terms(a: &Discovery, b: &Discovery) -> bool {
+    let terms = |found: &Discovery| {
+        let each = |e: &Equation| {
+            let mut terms: Vec<Term> = e.terms.iter().map(|t| t.term.clone()).collect();
+            terms.sort();
+            (e.target, terms)
+        };
+        found.equations.iter().map(each).collect::<Vec<_>>()
+    };
+    terms(a) == terms(b)
 }
 
 /// What is estimated jointly.

@@ -80,11 +80,18 @@ pub(crate) fn late(model: &Model, late: &DelayedInputs, lag: Option<&InputLag>) 
         1 => ("acts", "its record"),
         _ => ("act", "their records"),
     };
-    let (inputs, seconds) = (inputs.join(", "), short(late.seconds.abs()));
+    let (inputs, seconds) = (inputs.join(", "), significant(late.seconds, 4));
+    let within = late.interval.map_or(String::new(), |(from, to)| {
+        format!(
+            ", 95 %: {} to {} s",
+            significant(from, 4),
+            significant(to, 4)
+        )
+    });
     let text = match lag {
         None => format!(
-            "{inputs} {act} {seconds} s ({} samples) later than {record}, which the criterion prefers by {:.0}",
-            late.samples.abs(),
+            "{inputs} {act} {seconds} s ({} samples{within}) later than {record}, which the criterion prefers by {:.0}",
+            significant(late.samples, 3),
             late.gain
         ),
         Some(lag) => format!(
@@ -102,8 +109,8 @@ pub(crate) fn late(model: &Model, late: &DelayedInputs, lag: Option<&InputLag>) 
     let step = late.seconds / late.samples;
     let range = format!(
         "delay in {}..{}",
-        short((late.seconds - step).max(0.0)),
-        short(late.seconds + step)
+        significant((late.seconds - step).max(0.0), 3),
+        significant(late.seconds + step, 3)
     );
     let mut all = model.vars_of(VarKind::Input);
     match (all.next(), all.next()) {

@@ -57,11 +57,7 @@ pub(crate) fn estimate_delays(
             break;
         };
         let (fit, count) = (&answer.fit, delays.len());
-        let late = fit
-            .late
-            .iter()
-            .flat_map(|l| l.inputs.iter().map(|v| (*v, l.seconds)));
-        delays.extend(late.map(|(var, seconds)| AppliedDelay::known(var, seconds)));
+        delays.extend(fit.late.iter().flat_map(|late| late.applied()));
         let problem = problem.of_trajectories(&fit.problem.runs());
         let at = (fit.problem.as_ref(), &fit.found.best);
         let inefficiency = fit.found.inefficiency;
@@ -102,7 +98,7 @@ impl DeclaredDelays {
     }
 
     /// The delays as known ones: no range of other delays is compared any more, for which readings would have to be left out.
-    fn known(&self) -> Vec<AppliedDelay> {
+    pub fn known(&self) -> Vec<AppliedDelay> {
         let known = |e: &DelayEstimate| AppliedDelay::known(e.delay.var, e.delay.seconds);
         self.estimates.iter().map(known).collect()
     }

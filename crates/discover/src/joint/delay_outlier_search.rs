@@ -5,6 +5,7 @@
 use crate::doubts::trajectory_rules;
 use crate::joint::joint_fit::{JointFit, unexplained};
 use crate::joint::thresholds::SENSOR_SEARCH;
+use crate::joint::undeclared_delays::{refined_delay, undeclared};
 use std::borrow::Cow;
 use std::ops::ControlFlow;
 
@@ -14,7 +15,7 @@ use crate::trajectory::{
     DelayedInputs, Fit, Found, GrownNoise, Law, Problem, SearchObserver, SensorOffset,
     StartingSupport,
 };
-use sidc_lang::model::{Model, Var, VarKind};
+use sidc_lang::model::Model;
 use sidc_lang::term::VarId;
 use sidc_progress::{Activity, EquationObserver, Observer, Stage, Stop};
 
@@ -31,12 +32,13 @@ pub(crate) fn search_system<'a>(
         start: start.unwrap_or_default(),
         refits: 0,
     };
-    let inputs = inputs(model, problem);
+    let inputs = undeclared(model, problem);
     let mut fit = search.first(problem, &inputs)?;
     if options.robust {
         search.without_outliers(&mut fit);
     }
     search.with_delay(&inputs, &mut fit);
+    search.within_a_sample(problem, &mut fit);
     search.lag_or_delay(problem, &mut fit);
     if options.robust && fit.late.is_some() {
         search.without_outliers(&mut fit);
@@ -244,7 +246,22 @@ impl DelayOutlierSearch<'_, '_> {
         if noise_alone || !same_left_out || self.watcher.stop().is_some() {
             return;
         }
-        fit.lag = trajectory::find_lag(problem, late, &fit.found, self.watcher);
+        fit.lag = trajectory::find_lag(problem, late, (&fit.problem, &fit.found), self.watcher);
+    }
+
+    /// Estimates a delay to a fraction of a sample, and searches again if it is another: other terms imitate what a quarter of a sample leaves.
+    fn within_a_sample(&mut self, problem: &Problem, fit: &mut JointFit) {
+        let Some(late) = refined_delay(problem, fit, self.watcher) else {
+            return;
+        };
+        if fit.late.as_ref().is_some_and(|l| l.seconds == late.seconds) {
+            fit.late = Some(late);
+            return;
+        }
+        let moved = problem.with_delays(&late.applied().collect::<Vec<_>>());
+        if let Some(found) = self.run(&moved) {
+            *fit = JointFit::new(Cow::Owned(moved), found, Some(late));
+        }
     }
 
     /// Leaves out readings that the laws do not explain and searches again, until the set of readings left out no longer changes.
@@ -409,27 +426,4 @@ fn together(before: Option<&DelayedInputs>, more: DelayedInputs) -> Option<Delay
         gain: before.gain + more.gain,
         ..more
     })
-}
-
-/// Inputs that the laws may contain, that are not constant and whose delay the model does not declare.
-fn inputs(model: &Model, problem: &Problem) -> Vec<VarId> {
-    let moves = |place: usize| {
-        let columns = problem
-            .records
-            .iter()
-            .filter_map(|r| r.exogenous.get(place));
-        let moving = |v: &[f64]| v.windows(2).any(|w| w[0] != w[1]);
-        columns.into_iter().any(|o| moving(&o.values))
-    };
-    let signals = problem.system.exogenous.iter().enumerate();
-    let mut found: Vec<VarId> = signals
-        .filter(|(place, s)| {
-            let undeclared = |v: &&Var| v.kind == VarKind::Input && v.delay.is_none();
-            model.var(s.var).filter(undeclared).is_some() && moves(*place)
-        })
-        .map(|(_, s)| s.var)
-        .collect();
-    found.sort_unstable();
-    found.dedup();
-    found
 }

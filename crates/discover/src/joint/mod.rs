@@ -7,6 +7,7 @@
 mod applicability;
 mod constrained_search;
 mod constraint_doubts;
+mod curved_inputs;
 mod declared_delays;
 mod declared_runs;
 mod delay_outlier_search;
@@ -23,6 +24,7 @@ mod search_with_constants;
 mod stated_constraints;
 mod structural;
 pub(crate) mod thresholds;
+mod undeclared_delays;
 mod unknown_constants;
 mod weak_start;
 
@@ -39,6 +41,7 @@ use crate::doubts::{pooling_rules, trajectory_rules};
 use crate::early_stop::{self, doubt_unassessed};
 use crate::joint::constrained_search::{ConstrainedAnswer, SearchOutcome};
 use crate::joint::constraint_doubts::{contradiction, doubts, refuse_contradiction};
+use crate::joint::curved_inputs::curved_inputs;
 use crate::joint::declared_delays::DeclaredDelays;
 use crate::joint::joint_fit::JointFit;
 use crate::joint::library_probe::probe_libraries;
@@ -50,8 +53,9 @@ use crate::known_terms::{fixed_terms, is_estimated_if_given, stated};
 use crate::options::Options;
 use crate::redundancy::doubt_redundant_equations;
 use crate::refusal::Refusal;
+use crate::selection::thresholds::TERM_SELECTION;
 use crate::trajectory;
-use crate::trajectory::{Found, Law, Problem, RunNotFollowed};
+use crate::trajectory::{CurvedInputs, Found, Law, Problem, RunNotFollowed};
 use sidc_data::{Column, Dataset, Origin, Samples};
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
@@ -90,7 +94,8 @@ pub fn discover_jointly(
             if watcher.stop().is_none() {
                 refuse_contradiction(&discovery, model, &answer, watcher)?;
             }
-            let (discovery, found) = equations(model, discovery, &answer, watcher);
+            let (discovery, found) =
+                equations(model, discovery, (&answer, ended.curved.as_ref()), watcher);
             let (mut discovery, mut fitted) = weigh(model, discovery, (&answer, &found), watcher);
             let constants = &ended.searched.constants;
             fitted.description = Some(Description::of(
@@ -149,7 +154,12 @@ pub fn describe_jointly(
         };
         hidden_states::settle_scales(&mut answer, watcher);
         let constants = ended.searched.constants;
-        let (mut discovery, _) = equations(model, Discovery::of(model), &answer, watcher);
+        let (mut discovery, _) = equations(
+            model,
+            Discovery::of(model),
+            (&answer, ended.curved.as_ref()),
+            watcher,
+        );
         let fit = (&answer.fit.problem, &answer.fit.found);
         constants.state(model, (fit.0, fit.1), &mut discovery, watcher);
         let description = Description::of(&answer.fit, constants.sought().len(), watcher);
@@ -163,6 +173,8 @@ pub fn describe_jointly(
 struct Ended<'a> {
     searched: Searched<'a>,
     delays: &'a DeclaredDelays,
+    /// The alternative to inputs that are straight between their samples.
+    curved: Option<CurvedInputs>,
     laws: &'a [Law],
 }
 
@@ -176,6 +188,7 @@ fn search_jointly<T>(
     conclude: impl FnOnce(Ended, &mut EquationObserver) -> T,
 ) -> T {
     let delays = declared_delays::estimate_delays(of, dataset, problem, options, watcher);
+    let given = (dataset, problem);
     let (problem, dataset) = (delays.problem(problem), delays.dataset(of.0, dataset));
     let data = (dataset.as_ref(), problem.as_ref());
     let starts = unknown_constants::constant_starts(of, data, options, watcher);
@@ -183,10 +196,24 @@ fn search_jointly<T>(
         None => search_with_constants(of, data, starts, options, watcher),
         Some(scope) => sketch_with_constants(of, data, (starts, scope), options, watcher),
     };
+    let curved = (searched.as_ref()).and_then(|s| curved_inputs(given.1, &delays, s, watcher));
+    if let Some((curved, true)) = &curved
+        && curved.gain > TERM_SELECTION.tie
+    {
+        return search_jointly(
+            scope,
+            of,
+            (given.0, &curved.problem),
+            options,
+            watcher,
+            conclude,
+        );
+    }
     let nothing = || Searched::new(SearchOutcome::Nothing, Constants::none());
     let ended = Ended {
         searched: searched.unwrap_or_else(nothing),
         delays: &delays,
+        curved: curved.map(|c| c.0),
         laws: &problem.system.laws,
     };
     conclude(ended, watcher)
@@ -196,7 +223,7 @@ fn search_jointly<T>(
 fn equations(
     model: &Model,
     mut discovery: Discovery,
-    answer: &ConstrainedAnswer,
+    (answer, curved): (&ConstrainedAnswer, Option<&CurvedInputs>),
     watcher: &mut EquationObserver,
 ) -> (Discovery, Found) {
     let stopped = watcher.stop();
@@ -210,7 +237,9 @@ fn equations(
     } = &answer.fit;
     let mut found = found.clone();
     let problem = problem.as_ref();
-    trajectory::widen_by_interpolation(problem, &mut found, watcher);
+    if let Some(curved) = curved {
+        curved.widen(&mut found);
+    }
     let report = Report {
         model,
         problem,

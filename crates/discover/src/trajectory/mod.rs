@@ -84,9 +84,9 @@ pub use search::{
     search_from_fit, unidentifiable_directions, value_by_innovations, with_constant_values,
 };
 pub use sensor_faults::{
-    DelayEstimate, DelayProposal, DelayedInputs, InputLag, SensorOffset, criterion_without_delay,
-    find_lag, find_sensor_offset, fit_delay, profile_delays, screen_delays, screen_ranges,
-    widen_by_interpolation, with_delay,
+    CurvedInputs, DelayEstimate, DelayProposal, DelayedInputs, InputLag, SensorOffset,
+    criterion_without_delay, find_lag, find_sensor_offset, fit_delay, is_held, profile_delays,
+    screen_delays, screen_ranges, with_delay,
 };
 pub use structural::{UntoldDirection, untold_directions};
 pub use thresholds::tables;

@@ -207,11 +207,11 @@ impl Plan {
         });
         let relative_noise: Vec<Vec<f64>> = relative_noise.collect();
         let exogenous = signals.iter().zip(&record.exogenous).zip(&self.exogenous);
-        let exogenous = exogenous.map(|((signal, o), delay)| {
+        let exogenous = exogenous.enumerate().map(|(x, ((signal, o), delay))| {
             let seconds = delay.map_or(0.0, |d| d.seconds);
             let value = |t: &f64| match *signal == Signal::TIME {
                 true => *t,
-                false => acting(&record.time, o, t - seconds, tolerance),
+                false => acting(record, x, t - seconds, tolerance),
             };
             Exogenous {
                 values: nodes.iter().map(value).collect(),
@@ -246,6 +246,7 @@ impl Plan {
                 let (a, b) = (o.values[k - 1], o.values[*k]);
                 match (o.held, o.values.get(k + 1)) {
                     (true, _) => a != b,
+                    (false, _) if record.curved => false,
                     (false, Some(c)) => (c - 2.0 * b + a).abs() > INTERPOLATION.straight * size,
                     (false, None) => false,
                 }
@@ -304,11 +305,8 @@ fn segment(time: &[f64], at: f64) -> (usize, f64) {
 }
 
 /// Value of an exogenous signal at an instant of its record.
-fn acting(time: &[f64], o: &Exogenous, at: f64, tolerance: f64) -> f64 {
-    let (k, part) = segment(time, at + if o.held { tolerance } else { 0.0 });
-    let here = o.values.get(k).copied().unwrap_or(f64::NAN);
-    match (o.held, o.values.get(k + 1)) {
-        (false, Some(next)) => here + part * (next - here),
-        _ => here,
-    }
+fn acting(record: &Record, signal: usize, at: f64, tolerance: f64) -> f64 {
+    let held = record.exogenous.get(signal).is_some_and(|o| o.held);
+    let (k, part) = segment(&record.time, at + if held { tolerance } else { 0.0 });
+    record.exogenous_at(signal, k, part)
 }

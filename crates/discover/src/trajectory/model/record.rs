@@ -146,11 +146,11 @@ impl Record {
         (after - before) / (2e-3 * (self.time[k + 1] - self.time[k]))
     }
 
-    /// Lagrange's cubic through the two samples on either side; `None` at the ends.
+    /// Lagrange's cubic through the four samples that are nearest; `None` in shorter records.
     fn cubic_at(&self, values: &[f64], k: usize, part: f64) -> Option<f64> {
-        let from = k.checked_sub(1)?;
-        let (time, values) = (self.time.get(from..k + 3)?, values.get(from..k + 3)?);
-        let at = time[1] + part * (time[2] - time[1]);
+        let from = k.saturating_sub(1).min(values.len().checked_sub(4)?);
+        let at = self.time.get(k)? + part * (self.time.get(k + 1)? - self.time.get(k)?);
+        let (time, values) = (self.time.get(from..from + 4)?, values.get(from..from + 4)?);
         let weight = |i: usize| {
             let others = (0..4).filter(|j| *j != i);
             let factors = others.map(|j| (at - time[j]) / (time[i] - time[j]));

@@ -6,7 +6,7 @@
 use super::delay_screening::DelayProposal;
 use super::time_shift::{cut, cut_point, moved, reach, shifted, step};
 use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, fit};
-use crate::trajectory::model::{LinearizationPoint, Problem};
+use crate::trajectory::model::{AppliedDelay, LinearizationPoint, Problem};
 use crate::trajectory::search::{final_criterion, initial_fit};
 use crate::trajectory::thresholds::DELAYS;
 use sidc_lang::term::VarId;
@@ -19,8 +19,18 @@ pub struct DelayedInputs {
     /// How many samples later than recorded the inputs act.
     pub samples: f64,
     pub seconds: f64,
+    /// 95 % confidence interval, seconds; `None` where it was not estimated to a fraction of a sample.
+    pub interval: Option<(f64, f64)>,
     /// Decrease of the criterion.
     pub gain: f64,
+}
+
+impl DelayedInputs {
+    /// The delay of each input.
+    pub fn applied(&self) -> impl Iterator<Item = AppliedDelay> {
+        let each = |v: &VarId| AppliedDelay::known(*v, self.seconds);
+        self.inputs.iter().map(each)
+    }
 }
 
 /// The delay that improves the criterion most, if by more than the price of a term. Large supports found under the wrong delay
@@ -81,6 +91,7 @@ pub fn fit_delay(
         inputs,
         samples,
         seconds: samples * step(problem)?,
+        interval: None,
         gain: undelayed - value,
     })
 }
@@ -154,7 +165,10 @@ impl DelayTrial<'_> {
         if proposed != 0.0 && observer.go_on() {
             self.try_delay(0.0, observer);
         }
-        let smallest = if self.held() { 1.0 } else { 0.0 };
+        let smallest = match is_held(self.problem, self.inputs) {
+            true => 1.0,
+            false => 0.0,
+        };
         for part in DELAYS.steps.into_iter().filter(|p| *p >= smallest) {
             let middle = self.best.0;
             for sign in [1.0, -1.0] {
@@ -165,19 +179,14 @@ impl DelayTrial<'_> {
             }
         }
     }
+}
 
-    fn held(&self) -> bool {
-        let problem = self.problem;
-        let own = |s: &sidc_lang::term::Signal| self.inputs.contains(&s.var);
-        let mut signals = problem
-            .system
-            .exogenous
-            .iter()
-            .enumerate()
-            .filter(|(_, s)| own(s));
-        signals.any(|(x, _)| {
-            let exogenous = problem.records.iter().filter_map(|r| r.exogenous.get(x));
-            exogenous.into_iter().any(|o| o.held)
-        })
-    }
+/// Whether one of the inputs is held between its samples.
+pub fn is_held(problem: &Problem, inputs: &[VarId]) -> bool {
+    let signals = problem.system.exogenous.iter().enumerate();
+    let mut own = signals.filter(|(_, s)| inputs.contains(&s.var));
+    own.any(|(x, _)| {
+        let exogenous = problem.records.iter().filter_map(|r| r.exogenous.get(x));
+        exogenous.into_iter().any(|o| o.held)
+    })
 }

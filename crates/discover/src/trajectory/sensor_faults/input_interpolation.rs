@@ -1,48 +1,101 @@
-//! Interpolation of inputs between their samples: how much of the coefficients' errors it causes.
+//! Interpolation of inputs between their samples: whether they bend there, and how much of the coefficients' errors it causes.
 //!
-//! In: a problem, what was found. Out: variances of the coefficients that hold this too. Where a record is as likely under inputs that run
+//! In: a problem, what was found. Out: the problem with inputs along cubics, if the readings prefer that; else variances of the coefficients that hold this too. Where a record is as likely under inputs that run
 //! along cubics, the coefficients of that fit are as good as those found. Both count by their likelihood (Hoeting, Madigan, Raftery and
 //! Volinsky 1999, Bayesian model averaging): the variance is that of the fit plus weight × (difference)². Changes no coefficient.
 
-use crate::trajectory::likelihood::fit;
-use crate::trajectory::model::{Problem, Record};
+use std::borrow::Cow;
+
+use crate::trajectory::likelihood::{Fit, fit};
+use crate::trajectory::model::{AppliedDelay, Problem, ProcessNoise, Record};
 use crate::trajectory::search::{Found, last_criterion};
 use crate::trajectory::thresholds::INTERPOLATION;
 use sidc_lang::term::Signal;
 use sidc_progress::Observer;
 
-/// Adds to the variances of the coefficients what they owe to inputs that are straight between samples.
-pub fn widen_by_interpolation(problem: &Problem, found: &mut Found, observer: &mut dyn Observer) {
-    let best = &found.best;
-    if !bends(problem) || best.variances.len() != best.support().len() || !observer.go_on() {
-        return;
+/// Inputs along cubics between their samples in place of straight lines.
+pub struct CurvedInputs {
+    /// The problem with them, without delays.
+    pub problem: Problem,
+    /// By how much the criterion prefers them for the terms found; negative if it prefers straight lines.
+    pub gain: f64,
+    fit: Fit,
+}
+
+impl CurvedInputs {
+    /// What the readings say of inputs along cubics. `base` has none of the `delays` of the answer, which is `found` for the problem `at`. `None` if no input
+    /// bends, or if the terms cannot be fitted with them.
+    pub fn of(
+        base: &Problem,
+        delays: &[AppliedDelay],
+        (at, found): (&Problem, &Found),
+        observer: &mut dyn Observer,
+    ) -> Option<CurvedInputs> {
+        if !bends(base) || !observer.go_on() {
+            return None;
+        }
+        let (straight, curved) = match delays {
+            [] => (Cow::Borrowed(at), at.along_cubics()),
+            _ => {
+                let base = base.of_trajectories(&at.runs());
+                let straight = base.with_delays(delays);
+                (
+                    Cow::Owned(straight),
+                    base.along_cubics().with_delays(delays),
+                )
+            }
+        };
+        let criterion = last_criterion(at, found.inefficiency);
+        let mut fitted = |problem: &Problem, process: Option<ProcessNoise>| {
+            let mut start = found.best.point.on_instants(at, problem);
+            start.process = process;
+            fit(problem, start, &criterion, f64::INFINITY, observer)
+        };
+        // Disturbances would make up for straight inputs, so the two are compared without.
+        let free = fitted(&curved, None)?;
+        let gain = (fitted(&straight, None)?.value - free.value) / found.inefficiency;
+        let fit = match &found.best.point.process {
+            None => free,
+            process => fitted(&curved, process.clone())?,
+        };
+        Some(CurvedInputs {
+            problem: base.along_cubics(),
+            gain,
+            fit,
+        })
     }
-    let records = problem.records.iter().map(|r| Record {
-        curved: true,
-        ..r.clone()
-    });
-    let mut curved = problem.clone();
-    curved.records = records.collect();
-    let criterion = last_criterion(problem, found.inefficiency);
-    let from = best.point.clone();
-    let Some(curved) = fit(&curved, from, &criterion, f64::INFINITY, observer) else {
-        return;
-    };
-    let evidence = (curved.value - best.value) / found.inefficiency;
-    let weight = 1.0 / (1.0 + (0.5 * evidence).exp());
-    if best.support() != curved.support() || !weight.is_finite() {
-        return;
-    }
-    let pairs = best.coefficients().iter().zip(curved.coefficients());
-    let moved: Vec<f64> = pairs.map(|(a, b)| weight * (a - b).powi(2)).collect();
-    for (variance, moved) in found.best.variances.iter_mut().zip(moved) {
-        *variance += moved;
+
+    /// Adds to the variances of the coefficients what they owe to straight inputs.
+    pub fn widen(&self, found: &mut Found) {
+        let best = &found.best;
+        let weight = 1.0 / (1.0 + (-0.5 * self.gain).exp());
+        let alike = best.support() == self.fit.support();
+        if best.variances.len() != best.support().len() || !alike || !weight.is_finite() {
+            return;
+        }
+        let pairs = best.coefficients().iter().zip(self.fit.coefficients());
+        let moved: Vec<f64> = pairs.map(|(a, b)| weight * (a - b).powi(2)).collect();
+        for (variance, moved) in found.best.variances.iter_mut().zip(moved) {
+            *variance += moved;
+        }
     }
 }
 
-/// True if some exogenous signal is neither held nor straight by itself.
+impl Problem {
+    /// The problem with inputs that are not held along cubics between their samples.
+    fn along_cubics(&self) -> Problem {
+        let mut curved = self.clone();
+        curved.records.iter_mut().for_each(|r| r.curved = true);
+        curved
+    }
+}
+
+/// True if some exogenous signal is taken as straight between samples, and is not so by itself.
 fn bends(problem: &Problem) -> bool {
     let bent = |record: &Record, x: usize| {
+        if record.curved {
+            return false;
+        }
         let Some(o) = record.exogenous.get(x).filter(|o| !o.held) else {
             return false;
         };

@@ -6,7 +6,7 @@
 use super::input_delay::{DelayedInputs, ends};
 use super::time_shift::cut;
 use crate::trajectory::likelihood::fit;
-use crate::trajectory::model::{Exogenous, Problem};
+use crate::trajectory::model::{Exogenous, LinearizationPoint, Problem};
 use crate::trajectory::search::{Found, last_criterion};
 use crate::trajectory::thresholds::DELAYS;
 use sidc_progress::Observer;
@@ -22,26 +22,29 @@ pub struct InputLag {
     pub gain: f64,
 }
 
-/// The lag, if the criterion does not prefer the delay by more than the price of a term. `found` is the answer with the delay.
+/// The lag, if the criterion does not prefer the delay by more than the price of a term. `found` is the answer with the delay, to the
+/// problem `delayed`.
 pub fn find_lag(
     problem: &Problem,
     late: &DelayedInputs,
-    found: &Found,
+    (delayed, found): (&Problem, &Found),
     observer: &mut dyn Observer,
 ) -> Option<InputLag> {
     let criterion = last_criterion(problem, found.inefficiency);
     let (front, back) = ends(late);
     let mut best = (f64::INFINITY, late.seconds);
-    let mut start = found.best.point.clone();
+    let mut start: Option<LinearizationPoint> = None;
     for part in DELAYS.lags {
         let seconds = part * late.seconds;
         let lagged = cut(&lagged(problem, late, seconds), front, back);
-        let Some(fit) = fit(&lagged, start.clone(), &criterion, f64::INFINITY, observer) else {
+        let own = || found.best.point.on_instants(delayed, &lagged);
+        let from = start.clone().unwrap_or_else(own);
+        let Some(fit) = fit(&lagged, from, &criterion, f64::INFINITY, observer) else {
             continue;
         };
         if fit.value < best.0 {
             best = (fit.value, seconds);
-            start = fit.point;
+            start = Some(fit.point);
         }
     }
     let gain = found.best.value - best.0;
