@@ -1,4 +1,4 @@
-//! Tries one more, unmeasured state in the model if the answer is doubted.
+//! Tries one more, unmeasured state in the model if the answer is doubted; after regression also inputs that act late.
 //!
 //! In: a program, its data, the answer with its doubts. Out: one more doubt if a model with one more state describes the readings better. It names the state,
 //! says what would be found with it, and gives the lines to paste. The answer itself is not changed.
@@ -73,41 +73,16 @@ pub(super) fn propose(
     let Some(own) = own.filter(|o| o.leaves_more_than_noise() || late) else {
         return;
     };
-    if let (Some(reason), true) = (&delay, sketch.as_ref().is_some_and(explained_by_delay)) {
-        tell(found, &doubted, reason, true);
-        return;
-    }
-    if !own.is_disturbed() {
-        trial.scope = SearchScope::Sensors;
-    }
-    let mut tried = trial.each(lagged((program, dataset), &doubted), program);
-    let explains = |p: &Proposal| !p.description.unexplained && p.description.is_better_than(&own);
-    if !tried.iter().any(explains) {
-        let states = driving((program, dataset), &doubted).into_iter().collect();
-        tried.extend(trial.each(states, program));
-    }
-    // Of models that the readings cannot distinguish, the first is given.
-    let better = |a: &Proposal, b: &Proposal| a.description.is_better_than(&b.description);
-    let best = (tried.iter()).reduce(|best, one| if better(one, best) { one } else { best });
+    let explained = sketch.as_ref().is_some_and(explained_by_delay);
+    let state = match explained {
+        true => None,
+        false => trial.added_state((program, &doubted), &own, is_late(found)),
+    };
     if !trial.observer.go_on() {
         return;
     }
-    let Some(best) = best else {
-        if let Some(reason) = &delay {
-            tell(found, &doubted, reason, true);
-        }
-        return;
-    };
-    let others = tried.iter().filter(|o| o.added != best.added);
-    let alike: Vec<&Proposal> = others.filter(|o| !better(best, o)).collect();
-    let explains = !best.description.unexplained;
-    if best.description.is_better_than(&own) {
-        let gain = best.description.gain_over(&own);
-        tell(found, &doubted, &best.reason(gain, &alike), explains);
-    } else if let Some(reason) = &delay {
-        tell(found, &doubted, reason, true);
-    } else if explains && is_late(found) && !own.is_better_than(&best.description) {
-        tell(found, &doubted, &best.instead_of_delay(), false);
+    if let Some((reason, explains)) = state.or(delay.map(|reason| (reason, true))) {
+        tell(found, &doubted, &reason, explains);
     }
 }
 
@@ -121,6 +96,37 @@ struct Trial<'a> {
 }
 
 impl Trial<'_> {
+    /// The added state that describes the readings best, if better than the model's `own` answer, or as well as one with a delay; and whether it explains them.
+    fn added_state(
+        &mut self,
+        (program, doubted): (&Program, &[Signal]),
+        own: &Description,
+        late: bool,
+    ) -> Option<(Reason, bool)> {
+        if !own.is_disturbed() {
+            self.scope = SearchScope::Sensors;
+        }
+        let of = (program, self.dataset);
+        let mut tried = self.each(lagged(of, doubted), program);
+        let explains =
+            |p: &Proposal| !p.description.unexplained && p.description.is_better_than(own);
+        if !tried.iter().any(explains) {
+            tried.extend(self.each(driving(of, doubted).into_iter().collect(), program));
+        }
+        // Of models that the readings cannot distinguish, the first is given.
+        let better = |a: &Proposal, b: &Proposal| a.description.is_better_than(&b.description);
+        let best = (tried.iter()).reduce(|best, one| if better(one, best) { one } else { best })?;
+        let others = tried.iter().filter(|o| o.added != best.added);
+        let alike: Vec<&Proposal> = others.filter(|o| !better(best, o)).collect();
+        let explains = !best.description.unexplained;
+        if best.description.is_better_than(own) {
+            let gain = best.description.gain_over(own);
+            return Some((best.reason(gain, &alike), explains));
+        }
+        let instead = explains && late && !own.is_better_than(&best.description);
+        instead.then(|| (best.instead_of_delay(), false))
+    }
+
     /// What is found with each added state, unless nothing drives it or its constant is at an end of its range.
     fn each(&mut self, states: Vec<(String, AddedState)>, given: &Program) -> Vec<Proposal> {
         let proposal = |(what, added): (String, AddedState)| {

@@ -1,11 +1,11 @@
-"""Random forced systems behind a lag: prints the table of docs/hidden.md, "Lags of forty random systems".
+"""Random forced systems behind a lag or a delay: prints the tables of docs/hidden.md, "Lags of forty random systems".
 
-    python3 crates/studies/lags/table.py [target/release/sidc] [--draws 10] [--level 0.001 0.01 0.05] [--unnamed]
+    python3 crates/studies/lags/table.py [target/release/sidc] [--draws 10] [--level 0.001 0.01 0.05] [--place input sensor delay] [--unnamed]
 
 Equations of order 1 and 2 with one or two nonlinear terms, driven by a command that is held between samples. A first-order lag of 10 to 100 ms
-is between the command and the equation, or between the state and its sensor. The model has the lag with an unknown time constant; with
---unnamed it does not, and correct proposals of sidc are counted. An answer is exact if it has the true terms and no others. Needs Python 3.9,
-numpy.
+is between the command and the equation, or between the state and its sensor; or a smooth command acts 2 to 60 ms late, 0.2 to 6 samples. The model
+has the lag with an unknown time constant, or the delay with a range; with --unnamed it has neither, and correct proposals of sidc are counted. An
+answer is exact if it has the true terms and no others. Needs Python 3.9, numpy.
 """
 import argparse
 import functools
@@ -41,10 +41,15 @@ def runge_kutta(f, z, h, steps):
 @functools.cache
 def draw(order, place, seed):
     """A law and its noiseless readings: lag, coefficients by term, readings, command."""
-    rng = np.random.default_rng([seed, order, ["input", "sensor"].index(place)])
+    rng = np.random.default_rng([seed, order, ["input", "sensor", "delay"].index(place)])
     while True:
-        tau = float(np.exp(rng.uniform(np.log(0.01), np.log(0.1))))
-        levels = np.repeat(rng.uniform(-1, 1, len(TIMES)), rng.integers(10, 60))[: len(TIMES)]
+        tau = float(np.exp(rng.uniform(np.log(0.002), np.log(0.06)) if place == "delay" else rng.uniform(np.log(0.01), np.log(0.1))))
+        if place == "delay":
+            sines = [(rng.normal(0, 0.5), rng.uniform(0.5, 8), rng.uniform(0, 6)) for _ in range(5)]
+            command = lambda t: sum(a * np.sin(w * t + p) for a, w, p in sines)
+            levels = command(TIMES)
+        else:
+            levels = np.repeat(rng.uniform(-1, 1, len(TIMES)), rng.integers(10, 60))[: len(TIMES)]
         count = rng.integers(1, 3)
         chosen = list(rng.choice(sorted(TERMS[order]), count, replace=False))
         law = {t: -rng.uniform(0.5, 2) for t in chosen}
@@ -57,12 +62,17 @@ def draw(order, place, seed):
             drive = z[-1] if place == "input" else u
             force = law["x"] * x + law.get("dx", 0) * v + sum(c * f(x, v) for f, c in values) + gain * drive
             own = [force] if order == 1 else [v, force]
-            return own + [((u if place == "input" else x) - z[-1]) / tau]
+            return own if place == "delay" else own + [((u if place == "input" else x) - z[-1]) / tau]
 
-        z = np.zeros(order + 1)
+        z = np.zeros(order if place == "delay" else order + 1)
         states = [z]
         for k, t in enumerate(TIMES[:-1]):
-            z = runge_kutta(lambda z: np.array(rates(t, z, levels[k])), z, STEP / 5, 5)
+            if place == "delay":
+                # The last component is time.
+                late = lambda y: np.append(rates(0, y[:-1], command(y[-1] - tau)), 1.0)
+                z = runge_kutta(late, np.append(z, t), STEP / 5, 5)[:-1]
+            else:
+                z = runge_kutta(lambda z: np.array(rates(t, z, levels[k])), z, STEP / 5, 5)
             if not np.isfinite(z).all() or abs(z[0]) > 10:
                 break
             states.append(z)
@@ -81,18 +91,27 @@ def draw(order, place, seed):
             return np.std(left) > 0.02 * force
 
         if all(shows(f, c) for f, c in values):
-            return tau, law | {"u": gain}, x if place == "input" else states[:, -1], levels
+            return tau, law | {"u": gain}, states[:, -1] if place == "sensor" else x, levels
 
 
 def model(order, place, unnamed):
     library = LIBRARY[order]
     target = "d" * order + "x"
+    if place == "delay":
+        delay = "" if unnamed else ", delay in 0..0.1"
+        return f"state x : order {order}\ninput u : linear{delay}\n{target} ~ <{library}, u>\n"
     if unnamed:
         return f"state x : order {order}\ninput u : hold\n{target} ~ <{library}, u>\n"
     if place == "input":
         hidden = "state v : hidden\ndv = (u - v)/tau\n"
         return f"unknown tau in 0.001..10\nstate x : order {order}\ninput u : hold\n{hidden}{target} ~ <{library}, v>\n"
     return f"unknown tau in 0.001..10\nstate y\nstate x : hidden, order {order}\ninput u : hold\ndy = (x - y)/tau\n{target} ~ <{library}, u>\n"
+
+
+def delay_said(text):
+    """The seconds of a sentence such as `u acts 0.028 s (1.4 samples, ...) later than its record`."""
+    found = re.search(r"acts? ([0-9.e-]+) s", text)
+    return float(found.group(1)) if found else np.nan
 
 
 def plain(text):
@@ -122,15 +141,17 @@ def identify(program, order, place, seed, level, unnamed):
     got = {plain(t["term"]) for e in searched for t in e["terms"]}
     truth = {plain(t) for t in law}
     got = {"u" if t == "v" else t for t in got}
-    value = next((v for v in found.get("unknowns", [])), None)
+    value = next((v for v in found.get("unknowns", []) + found.get("delays", [])), None)
     low, high = (value or {}).get("interval") or (np.nan, np.nan)
     exact = got == truth
     codes = [r["code"] for e in found["equations"] for r in e["reasons"]]
     passed = bool(found["equations"]) and not codes and not found.get("failed")
-    said = next((r["text"] for e in found["equations"] for r in e["reasons"] if r["code"] == "missing-state"), "")
+    code = "input-delay" if place == "delay" else "missing-state"
+    said = next((r["text"] for e in found["equations"] for r in e["reasons"] if r["code"] == code), "")
+    proposed = "later" in said and abs(delay_said(said) / tau - 1) < 0.05 if place == "delay" else "lag" in said
     return {"exact": exact, "within": exact and low <= tau <= high, "passed": exact and passed, "wrong": passed and not exact,
-            "proposed": "lag" in said, "seconds": seconds,
-            "said": f"{place} {order} seed {seed}: tau {tau:.3g}, found {value and (value['value'], value.get('interval'))}: {sorted(got)} for {sorted(truth)} {codes} {said[:400]}"}
+            "proposed": proposed, "seconds": seconds,
+            "said": f"{place} {order} seed {seed}: tau {tau:.3g}, found {value and (value.get('value', value.get('seconds')), value.get('interval'))}: {sorted(got)} for {sorted(truth)} {codes} {said[:400]}"}
 
 
 def main():
@@ -143,7 +164,7 @@ def main():
     p.add_argument("--first", type=int, default=0)
     p.add_argument("--unnamed", action="store_true")
     a = p.parse_args()
-    print("| noise | lag of | exact | of these, the time in its interval | of these, passed | wrong and passed | lag proposed | median seconds |\n|---|---|---|---|---|---|---|---|")
+    print("| noise | lag or delay of | exact | of these, the time in its interval | of these, passed | wrong and passed | proposed | median seconds |\n|---|---|---|---|---|---|---|---|")
     missed = []
     for level in a.level:
         for place in a.place:

@@ -4,8 +4,13 @@
 
 use crate::joint::constrained_search::SearchOutcome;
 use crate::joint::declared_delays::DeclaredDelays;
+use crate::joint::joint_fit::unexplained;
 use crate::joint::search_with_constants::Searched;
-use crate::trajectory::{CurvedInputs, Problem};
+use crate::joint::thresholds::JOINT;
+use crate::selection::thresholds::TERM_SELECTION;
+use crate::trajectory::{
+    AppliedDelay, CurvedInputs, Found, Problem, profile_delays, sampling_interval,
+};
 use sidc_progress::EquationObserver;
 
 /// What the readings say of inputs along cubics between their samples, and whether a search with them is possible.
@@ -29,6 +34,44 @@ pub(crate) fn curved_inputs(
         true => (&[][..], false),
         false => (&all[..], true),
     };
-    let curved = CurvedInputs::of(problem, known, answered, watcher)?;
+    let curved = CurvedInputs::of(problem, [known, known], answered, watcher)?;
+    let undecided = possible && !known.is_empty() && curved.gain <= TERM_SELECTION.tie;
+    if undecided && unexplained(&fit.problem, &fit.found.best) {
+        let retimed = retimed(&curved, known, answered, watcher);
+        let again =
+            retimed.and_then(|d| CurvedInputs::of(problem, [&d[0], &d[1]], answered, watcher));
+        return Some((again.unwrap_or(curved), possible));
+    }
     Some((curved, possible))
+}
+
+/// The delays, and those that are likeliest near them for inputs along cubics: where inputs were taken as straight, delays are off by what that errs. Both are
+/// to be compared by the same readings.
+fn retimed(
+    curved: &CurvedInputs,
+    known: &[AppliedDelay],
+    (at, found): (&Problem, &Found),
+    watcher: &mut EquationObserver,
+) -> Option<[Vec<AppliedDelay>; 2]> {
+    let step = sampling_interval(&curved.problem)?;
+    let around = |d: &AppliedDelay, by: f64| AppliedDelay {
+        range: (d.seconds - by, d.seconds + by),
+        ..*d
+    };
+    let near: Vec<AppliedDelay> = known
+        .iter()
+        .map(|d| around(d, JOINT.retimed * step))
+        .collect();
+    let profile = profile_delays(
+        &curved.problem,
+        &near,
+        (at, &found.best),
+        found.inefficiency,
+        watcher,
+    )?;
+    let likeliest = profile.iter().zip(&near).map(|(e, near)| AppliedDelay {
+        range: near.range,
+        ..e.delay
+    });
+    Some([near.clone(), likeliest.collect()])
 }

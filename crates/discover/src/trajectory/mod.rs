@@ -83,6 +83,7 @@ pub use search::{
     fit_constants_from, laws_with_constants, search, search_beyond_libraries, search_disturbed,
     search_from_fit, unidentifiable_directions, value_by_innovations, with_constant_values,
 };
+pub(crate) use sensor_faults::sampling_interval;
 pub use sensor_faults::{
     CurvedInputs, DelayEstimate, DelayProposal, DelayedInputs, InputLag, SensorOffset,
     criterion_without_delay, find_lag, find_sensor_offset, fit_delay, is_held, profile_delays,

@@ -23,11 +23,11 @@ pub struct CurvedInputs {
 }
 
 impl CurvedInputs {
-    /// What the readings say of inputs along cubics. `base` has none of the `delays` of the answer, which is `found` for the problem `at`. `None` if no input
-    /// bends, or if the terms cannot be fitted with them.
+    /// What the readings say of inputs along cubics. `base` has none of the delays of the answer, which is `found` for the problem `at`: the first ones, and
+    /// those that inputs along cubics are to have. `None` if no input bends, or if the terms cannot be fitted with them.
     pub fn of(
         base: &Problem,
-        delays: &[AppliedDelay],
+        [delays, curved_delays]: [&[AppliedDelay]; 2],
         (at, found): (&Problem, &Found),
         observer: &mut dyn Observer,
     ) -> Option<CurvedInputs> {
@@ -38,11 +38,8 @@ impl CurvedInputs {
             [] => (Cow::Borrowed(at), at.along_cubics()),
             _ => {
                 let base = base.of_trajectories(&at.runs());
-                let straight = base.with_delays(delays);
-                (
-                    Cow::Owned(straight),
-                    base.along_cubics().with_delays(delays),
-                )
+                let curved = base.along_cubics().with_delays(curved_delays);
+                (Cow::Owned(base.with_delays(delays)), curved)
             }
         };
         let criterion = last_criterion(at, found.inefficiency);

@@ -17,3 +17,4 @@ pub use input_delay::{DelayedInputs, criterion_without_delay, fit_delay, is_held
 pub use input_interpolation::CurvedInputs;
 pub use input_lag::{InputLag, find_lag};
 pub use sensor_offset::{SensorOffset, find_sensor_offset};
+pub(crate) use time_shift::step as sampling_interval;
