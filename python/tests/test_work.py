@@ -29,48 +29,68 @@ def heavy_data() -> dict[str, np.ndarray]:
     return {"t": t, **{name: wave + 0.01 * noise[k] for k, (name, wave) in enumerate(waves.items())}}
 
 
-@pytest.mark.skipif(os.name == "nt", reason="signals are those of Unix")
-def test_ctrl_c_ends_work_within_half_a_second() -> None:
-    model, data = sidc.Model(HEAVY), heavy_data()
+def seconds(work: Callable[[], Any]) -> float:
+    began = time.monotonic()
+    work()
+    return time.monotonic() - began
+
+
+def seconds_after_ctrl_c(work: Callable[[], Any], delay: float, told: Callable[[], None] = lambda: None) -> float:
+    """From a Ctrl-C that comes `delay` seconds after the start to the end of the work. `told` is called with the Ctrl-C."""
     sent: list[float] = []
 
     def interrupt() -> None:
+        told()
         sent.append(time.monotonic())
         os.kill(os.getpid(), signal.SIGINT)
 
-    for delay in (0.2, 1.0):
-        timer = threading.Timer(delay, interrupt)
-        timer.start()
-        with pytest.raises(KeyboardInterrupt):
-            model.identify(data, method="regression")
-        assert time.monotonic() - sent[-1] < 0.5
+    threading.Timer(delay, interrupt).start()
+    with pytest.raises(KeyboardInterrupt):
+        work()
+    return time.monotonic() - sent[-1]
+
+
+# Times are compared with those of the whole work, so that the tests hold on a busy machine.
+@pytest.mark.skipif(os.name == "nt", reason="signals are those of Unix")
+def test_ctrl_c_ends_work_at_once() -> None:
+    # 6,561 candidates an equation: the whole takes some seconds.
+    model = sidc.Model("state x, y, z : order 2\nddx, ddy, ddz ~ powers(x, y, z, dx, dy, dz, sin x, cos x; 2)\n")
+    data = heavy_data()
+
+    def work() -> sidc.Result:
+        return model.identify(data, method="regression")
+
+    whole = seconds(work)
+    for part in (0.1, 0.4):
+        assert seconds_after_ctrl_c(work, part * whole) < 0.3 * whole
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals are those of Unix")
-def test_ctrl_c_ends_reading_and_reducing_at_once(tmp_path: Path) -> None:
+def test_ctrl_c_ends_reading_at_once(tmp_path: Path) -> None:
     model = sidc.Model("state x\ndx ~ poly(x; 3)\n")
-    rows = "\n".join(f"{0.001 * k:.3f},{k % 997},{k % 331}" for k in range(1_000_000))
+    waves = [2.0 + np.sin(1e-5 * k) for k in range(1_000_000)]
+    rows = "\n".join(f"{1e-5 * k:.5f},{x:.6f},{-x:.6f}" for k, x in enumerate(waves))
     path = tmp_path / "large.csv"
     path.write_text(f"t,x,dx\n{rows}\n")
-    t = np.arange(2_000_000) * 1e-3
+    whole = seconds(lambda: model.identify(path))
+    assert seconds_after_ctrl_c(lambda: model.identify(path), 0.1 * whole) < 0.5 * whole
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals are those of Unix")
+def test_ctrl_c_ends_reducing_at_once() -> None:
+    model = sidc.Model("state x\ndx ~ poly(x; 3)\n")
+    t = np.arange(200_000) * 1e-3
     part = {"t": t, "x": np.sin(t), "dx": np.cos(t)}
+    read: list[int] = []
+    read_then: list[int] = []
 
     def forever() -> Iterator[dict[str, np.ndarray]]:
         while True:
+            read.append(1)
             yield part
 
-    work: list[Callable[[], Any]] = [lambda: model.identify(path), lambda: model.identify_parts(forever())]
-    for one in work:
-        sent: list[float] = []
-
-        def interrupt(sent: list[float] = sent) -> None:
-            sent.append(time.monotonic())
-            os.kill(os.getpid(), signal.SIGINT)
-
-        threading.Timer(0.1, interrupt).start()
-        with pytest.raises(KeyboardInterrupt):
-            one()
-        assert time.monotonic() - sent[-1] < 0.5
+    seconds_after_ctrl_c(lambda: model.identify_parts(forever()), 0.3, lambda: read_then.append(len(read)))
+    assert len(read) <= read_then[0] + 2
 
 
 def test_other_threads_go_on_meanwhile() -> None:
@@ -95,19 +115,16 @@ def test_other_threads_go_on_meanwhile() -> None:
 
 
 def test_the_time_limit_holds() -> None:
-    began = time.monotonic()
     result = sidc.Model(HEAVY).identify(heavy_data(), method="regression", time_limit=0.5)
-    assert time.monotonic() - began < 10
     assert not result.passes
+    assert "time-limit" in {doubt.code for doubt in result.doubts}
     with pytest.raises(ValueError, match="time_limit is a number of seconds"):
         sidc.Model(HEAVY).identify(heavy_data(), time_limit=-1)
 
 
 def test_proofs_have_a_time_of_their_own(decay: dict[str, np.ndarray]) -> None:
     data, model = heavy_data(), sidc.Model("state x, y, z : order 2\nddx, ddy, ddz ~ poly(x, y, z, dx, dy, dz; 3)\n")
-    began = time.monotonic()
     cut = model.identify(data, method="regression", prove_sparsest=0.5)
-    assert time.monotonic() - began < 20
     assert all(equation.evidence is not None and equation.evidence.sparsest is not None for equation in cut.equations)
     # The end of a proof does not end the search.
     assert "time-limit" not in {doubt.code for doubt in cut.doubts}
