@@ -123,7 +123,7 @@ fn even_instants(stamps: &[f64], ranges: &[Range<usize>]) -> Option<(Vec<f64>, f
     for _ in 0..2 {
         numbers = ranges
             .iter()
-            .map(|r| sample_numbers(&stamps[r.clone()], step))
+            .map(|r| numbers_with_holes(&stamps[r.clone()], step))
             .collect();
         let (mut products, mut squares) = (0.0, 0.0);
         offsets.clear();
@@ -158,8 +158,9 @@ fn typical_step(stamps: &[f64]) -> Option<f64> {
     Some(step_statistics(&every)?.median / lag as f64)
 }
 
-/// Numbers of the samples from 0, with a hole where one was lost: where the stamps behind a long step stay late.
-fn sample_numbers(stamps: &[f64], step: f64) -> Vec<f64> {
+/// Numbers of the samples from 0, with a hole where one was lost: where the stamps behind a long step stay late. (A single step, by which
+/// `time_axis::sample_numbers` counts, may be late alone.)
+fn numbers_with_holes(stamps: &[f64], step: f64) -> Vec<f64> {
     let mut lost = 0.0;
     let numbers = (0..stamps.len()).map(|k| {
         if k > 0 && stamps[k] - stamps[k - 1] > CLOCK.long_step * step {

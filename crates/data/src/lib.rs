@@ -6,7 +6,7 @@
 //! Flow: [`read`] (`csv`) → [`bind`] (`binding`, with `checks`) → [`Dataset`] → [`hold_out`], [`keep_window`] (`dataset`) →
 //! [`samples`] (`sample_assembly`, with `derivatives`). Beside it: [`smooth`] (`smoothing`) takes the noise off one signal, [`is_smooth`] says that there is none, and
 //! [`draft`] writes a first model of a table. `time_axis`, `intersample` and `segmentation` say where a record is even, held and
-//! interrupted.
+//! interrupted, `even_clock` whether scattered stamps are those of an even one.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 

@@ -158,6 +158,7 @@ fn bind_run<'a>(
 ) -> Option<BoundTrajectory<'a>> {
     let clock = found.iter().find(|(s, _)| *s == Signal::TIME);
     let mut time: Option<Vec<f64>> = None;
+    let mut uneven = None;
     if let Some((_, source)) = clock {
         let mut values = column_sources::evaluate(*source, table, &rows);
         let column = column_sources::used(*source, table).first().copied();
@@ -177,7 +178,7 @@ fn bind_run<'a>(
             out.push(d);
             return None;
         }
-        sampling_times::check_steps(&name, &rows, &mut values, table, out);
+        uneven = sampling_times::check_steps(&name, &rows, &mut values, table, out);
         time = Some(values);
     }
     if rows.is_empty() {
@@ -188,9 +189,9 @@ fn bind_run<'a>(
         .filter(|(s, _)| *s != Signal::TIME)
         .map(|(s, source)| (*s, column_sources::evaluate(*source, table, &rows)))
         .collect();
-    if let Some(time) = &mut time {
+    if let (Some(time), Some(steps)) = (&mut time, &uneven) {
         let readings = readings(model, &signals);
-        sampling_times::check_evenness(&name, time, &readings, model.discrete, out);
+        sampling_times::check_evenness(&name, (time, steps), &readings, model.discrete, out);
     }
     let numbers = || (0..rows.len()).map(|k| k as f64).collect::<Vec<f64>>();
     let time = match (time, model.data.step) {

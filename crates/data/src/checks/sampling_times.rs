@@ -11,8 +11,8 @@ use super::thresholds::TIMES;
 use crate::csv::Table;
 use crate::even_clock::{EvenClock, even_clock};
 use crate::series::rows_of_steps;
-use crate::time_axis;
 use crate::time_axis::thresholds::TIME_AXIS;
+use crate::time_axis::{self, StepStatistics};
 
 /// The first time that does not rise.
 pub(crate) fn falling_time(
@@ -95,20 +95,18 @@ fn run_candidate<'a>(
         .map(|(_, h)| h.as_str())
 }
 
-/// Puts rounded times back on their grid; reports gaps.
+/// Puts rounded times back on their grid; reports gaps. The steps, if they are not those of a grid.
 pub(crate) fn check_steps(
     name: &str,
     rows: &[usize],
     time: &mut Vec<f64>,
     table: &Table,
     out: &mut Vec<Diagnostic>,
-) {
-    let Some(s) = time_axis::step_statistics(time) else {
-        return;
-    };
+) -> Option<StepStatistics> {
+    let s = time_axis::step_statistics(time)?;
     if let Some((grid, worst)) = time_axis::even_grid(time) {
         if worst <= TIME_AXIS.tolerance * s.median {
-            return;
+            return None;
         }
         if worst > TIMES.silent_correction * s.median {
             let step = grid
@@ -126,7 +124,7 @@ pub(crate) fn check_steps(
             );
         }
         *time = grid;
-        return;
+        return None;
     }
     let gaps = time_axis::gaps(time);
     let (median, max) = (s.median, s.max);
@@ -145,23 +143,21 @@ pub(crate) fn check_steps(
             .fact("nothing is estimated across a gap"),
         );
     }
+    Some(s)
 }
 
 /// Puts readings of an even clock whose stamps scatter back on its instants; reports irregular steps.
 pub(crate) fn check_evenness(
     name: &str,
-    time: &mut Vec<f64>,
+    (time, s): (&mut Vec<f64>, &StepStatistics),
     readings: &[&[f64]],
     discrete: bool,
     out: &mut Vec<Diagnostic>,
 ) {
-    let Some(s) = time_axis::step_statistics(time) else {
-        return;
-    };
     let (min, median, max) = (s.min, s.median, s.max);
     let within = time.windows(2).map(|w| w[1] - w[0]).filter(|d| *d <= s.gap);
     let (low, high) = within.fold((f64::INFINITY, 0.0), |(a, b), d| (a.min(d), f64::max(b, d)));
-    // Instants off a grid by the tolerance make steps that differ by four of it at most.
+    // Even but for gaps: instants off a grid by the tolerance make steps that differ by four of it at most.
     if high - low <= 4.0 * TIME_AXIS.tolerance * median {
         return;
     }

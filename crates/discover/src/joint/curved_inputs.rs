@@ -37,7 +37,7 @@ pub(crate) fn curved_inputs(
     let curved = CurvedInputs::of(problem, [known, known], answered, watcher)?;
     let undecided = possible && !known.is_empty() && curved.gain <= TERM_SELECTION.tie;
     if undecided && unexplained(&fit.problem, &fit.found.best) {
-        let retimed = retimed(&curved, known, answered, watcher);
+        let retimed = retimed(problem, known, answered, watcher);
         let again =
             retimed.and_then(|d| CurvedInputs::of(problem, [&d[0], &d[1]], answered, watcher));
         return Some((again.unwrap_or(curved), possible));
@@ -48,12 +48,12 @@ pub(crate) fn curved_inputs(
 /// The delays, and those that are likeliest near them for inputs along cubics: where inputs were taken as straight, delays are off by what that errs. Both are
 /// to be compared by the same readings.
 fn retimed(
-    curved: &CurvedInputs,
+    problem: &Problem,
     known: &[AppliedDelay],
     (at, found): (&Problem, &Found),
     watcher: &mut EquationObserver,
 ) -> Option<[Vec<AppliedDelay>; 2]> {
-    let step = sampling_interval(&curved.problem)?;
+    let step = sampling_interval(problem)?;
     let around = |d: &AppliedDelay, by: f64| AppliedDelay {
         range: (d.seconds - by, d.seconds + by),
         ..*d
@@ -63,7 +63,7 @@ fn retimed(
         .map(|d| around(d, JOINT.retimed * step))
         .collect();
     let profile = profile_delays(
-        &curved.problem,
+        &problem.along_cubics(),
         &near,
         (at, &found.best),
         found.inefficiency,

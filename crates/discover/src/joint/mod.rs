@@ -203,7 +203,7 @@ fn search_jointly<T>(
         return search_jointly(
             scope,
             of,
-            (given.0, &curved.problem),
+            (given.0, &given.1.along_cubics()),
             options,
             watcher,
             conclude,

@@ -15,8 +15,6 @@ use sidc_progress::Observer;
 
 /// Inputs along cubics between their samples in place of straight lines.
 pub struct CurvedInputs {
-    /// The problem with them, without delays.
-    pub problem: Problem,
     /// By how much the criterion prefers them for the terms found; negative if it prefers straight lines.
     pub gain: f64,
     fit: Fit,
@@ -50,16 +48,16 @@ impl CurvedInputs {
         };
         // Disturbances would make up for straight inputs, so the two are compared without.
         let free = fitted(&curved, None)?;
-        let gain = (fitted(&straight, None)?.value - free.value) / found.inefficiency;
+        let straight = match (delays, &found.best.point.process) {
+            ([], None) => found.best.value,
+            _ => fitted(&straight, None)?.value,
+        };
+        let gain = (straight - free.value) / found.inefficiency;
         let fit = match &found.best.point.process {
             None => free,
             process => fitted(&curved, process.clone())?,
         };
-        Some(CurvedInputs {
-            problem: base.along_cubics(),
-            gain,
-            fit,
-        })
+        Some(CurvedInputs { gain, fit })
     }
 
     /// Adds to the variances of the coefficients what they owe to straight inputs.
@@ -80,7 +78,7 @@ impl CurvedInputs {
 
 impl Problem {
     /// The problem with inputs that are not held along cubics between their samples.
-    fn along_cubics(&self) -> Problem {
+    pub fn along_cubics(&self) -> Problem {
         let mut curved = self.clone();
         curved.records.iter_mut().for_each(|r| r.curved = true);
         curved
