@@ -18,6 +18,18 @@ pub(crate) fn run_uncoupled(
     names: &Discovery,
     watcher: &mut EquationObserver,
 ) -> Vec<(usize, Found)> {
+    map_equations(at_once(&tasks), tasks, watcher, |(place, task), watcher| {
+        (place, task.run(names, watcher))
+    })
+}
+
+/// What `work` makes of tasks that each have the place of their equation, at most `at_once` of them at a time, in their order.
+pub(super) fn map_equations<T: Send, A: Send>(
+    at_once: usize,
+    tasks: Vec<(usize, T)>,
+    watcher: &mut EquationObserver,
+    work: impl Fn((usize, T), &mut EquationObserver) -> A + Sync,
+) -> Vec<A> {
     let mut observer = |activity: Activity| match activity {
         Activity::Equation { place, stage } => {
             watcher.set_equation(place);
@@ -25,16 +37,11 @@ pub(crate) fn run_uncoupled(
         }
         other => watcher.hear(other),
     };
-    threads::map_watched(
-        at_once(&tasks),
-        tasks,
-        &mut observer,
-        |(place, task), observer| {
-            let mut watcher = EquationObserver::new(observer);
-            watcher.set_equation(place);
-            (place, task.run(names, &mut watcher))
-        },
-    )
+    threads::map_watched(at_once, tasks, &mut observer, |(place, task), observer| {
+        let mut watcher = EquationObserver::new(observer);
+        watcher.set_equation(place);
+        work((place, task), &mut watcher)
+    })
 }
 
 /// How many tasks are done at once: one for each core, while their libraries fit together into the memory that each may take.

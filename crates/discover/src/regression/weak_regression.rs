@@ -13,6 +13,7 @@ use crate::refusal::Unevaluable;
 use crate::regression::design::{Design, RowKind};
 use crate::regression::task::Task;
 use crate::regression::thresholds::WEAK_FORM;
+use crate::regression::uncoupled::map_equations;
 use crate::row_weights::Weights;
 use crate::selection::information_criterion::InformationCriterion;
 use crate::selection::term_selection;
@@ -25,6 +26,7 @@ use sidc_progress::{EquationObserver, Stage};
 use sidc_solve as solve;
 use sidc_solve::Problem;
 use sidc_solve::dictionary::Dictionary;
+use sidc_solve::threads;
 use sidc_system::discovery::{Discovery, Equation, Failed};
 
 /// Slots of a library with their coefficients.
@@ -109,34 +111,47 @@ impl<'a> WeakSystem<'a> {
 
     /// Finds each equation alone, then again along the trajectories that the other equations gave.
     fn iterate(&mut self, watcher: &mut EquationObserver) {
-        for pass in 0..WEAK_FORM.max_passes {
+        let members: Vec<_> = self.members.iter_mut().map(|m| (m.place, m)).collect();
+        let alone = |(_, m): (usize, &mut WeakEquation), watcher: &mut EquationObserver| {
+            m.best = m.task.search(&m.weak, None, watcher);
+        };
+        map_equations(threads::available(), members, watcher, alone);
+        for _ in 1..WEAK_FORM.max_passes {
+            let moved = |m: &WeakEquation| m.best.as_ref().is_some_and(|r| r.own.moved());
+            if !self.members.iter().any(moved) {
+                return;
+            }
             let mut changed = false;
             for k in 0..self.members.len() {
-                let Some(member) = self.members.get(k) else {
-                    continue;
-                };
-                watcher.set_equation(member.place);
-                let mut weak = member.weak.clone();
-                let shared = self.members.iter().filter_map(|m| m.best.as_ref());
-                let shared = shared.filter(|r| r.left < WEAK_FORM.shared_misfit && r.own.moved());
-                let shared = shared.map(|r| &r.own);
-                let others: Vec<&Weak> = shared.collect();
-                if weak.adopt(&others, member.task.library).is_err() {
-                    weak = member.weak.clone();
-                }
-                let before = member.best.as_ref().map(|r| &r.found);
-                let next = member.task.search(&weak, before, watcher);
-                let support = |r: &Option<Iteration>| r.as_ref().map(|r| r.found.support.clone());
-                changed |= support(&next) != support(&member.best);
-                if let (Some(member), Some(next)) = (self.members.get_mut(k), next) {
-                    member.best = Some(next);
-                }
+                changed |= self.iterate_along_others(k, watcher);
             }
-            let moved = |m: &WeakEquation| m.best.as_ref().is_some_and(|r| r.own.moved());
-            if pass > 0 && !changed || !self.members.iter().any(moved) {
-                break;
+            if !changed {
+                return;
             }
         }
+    }
+
+    /// Finds one equation along the trajectories of the others; true if its terms changed.
+    fn iterate_along_others(&mut self, k: usize, watcher: &mut EquationObserver) -> bool {
+        let Some(member) = self.members.get(k) else {
+            return false;
+        };
+        watcher.set_equation(member.place);
+        let shared = self.members.iter().filter_map(|m| m.best.as_ref());
+        let shared = shared.filter(|r| r.left < WEAK_FORM.shared_misfit && r.own.moved());
+        let others: Vec<&Weak> = shared.map(|r| &r.own).collect();
+        let mut weak = member.weak.clone();
+        if weak.adopt(&others, member.task.library).is_err() {
+            weak = member.weak.clone();
+        }
+        let before = member.best.as_ref().map(|r| &r.found);
+        let next = member.task.search(&weak, before, watcher);
+        let support = |r: &Option<Iteration>| r.as_ref().map(|r| r.found.support.clone());
+        let changed = support(&next) != support(&member.best);
+        if let (Some(member), Some(next)) = (self.members.get_mut(k), next) {
+            member.best = Some(next);
+        }
+        changed
     }
 }
 
