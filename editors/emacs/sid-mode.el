@@ -24,7 +24,7 @@
                                       "constrain" "coef" "symmetry" "limit" "prefer" "include")
                                     'symbols))
      . font-lock-keyword-face)
-    (,(regexp-opt '("order" "noise" "memory" "unit" "hold" "linear" "delay" "hidden" "degree" "per" "run" "cyclic") 'symbols)
+    (,(regexp-opt '("order" "noise" "memory" "unit" "hold" "linear" "cubic" "delay" "hidden" "degree" "per" "run" "cyclic") 'symbols)
      . font-lock-type-face)
     (,(regexp-opt '("poly" "powers" "fourier" "lags" "known" "required" "next" "lag" "unwrap" "sin" "cos" "tan" "asin" "acos"
                     "atan" "sinh" "cosh" "tanh" "exp" "log" "sqrt" "abs" "sign" "step" "min" "max")

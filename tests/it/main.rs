@@ -14,6 +14,7 @@ mod cli;
 mod constrained;
 mod constrained_joint;
 mod coverage;
+mod cubic_inputs;
 mod data;
 mod delays;
 mod dependencies;

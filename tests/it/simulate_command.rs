@@ -65,7 +65,7 @@ fn hostile_readings_are_refused_or_harmless() {
         r#"{"step": -1}"#,
         r#"{"step": "1"}"#,
         r#"{"between": {"q": "hold"}}"#,
-        r#"{"between": {"u": "cubic"}}"#,
+        r#"{"between": {"u": "spline"}}"#,
         r#"{"noise": {"ddddx": 1}}"#,
     ] {
         let found = result::open("r.json", &with_reading(reading));

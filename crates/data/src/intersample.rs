@@ -7,6 +7,8 @@ use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::model::{Between, Model, VarKind};
 use sidc_lang::term::Signal;
 
+use std::array::from_fn;
+
 use crate::dataset::{Input, Trajectory};
 use crate::series::rows_of_steps;
 use crate::time_axis;
@@ -83,6 +85,30 @@ pub(crate) fn fill(inputs: &[Input], trajectory: &mut Trajectory) {
     }
 }
 
+/// Powers of t − t_k of the cubic through the four samples nearest to the interval from sample `k` to the next. `None` where there are
+/// fewer than four.
+pub fn cubic_after(time: &[f64], values: &[f64], k: usize) -> Option<[f64; 4]> {
+    let first = k.saturating_sub(1).min(time.len().checked_sub(4)?);
+    let start = time.get(k)?;
+    let at: [f64; 4] = from_fn(|i| time[first + i] - start);
+    // Newton's divided differences.
+    let mut differences: [f64; 4] = values.get(first..first + 4)?.try_into().ok()?;
+    for order in 1..4 {
+        for i in (order..4).rev() {
+            differences[i] = (differences[i] - differences[i - 1]) / (at[i] - at[i - order]);
+        }
+    }
+    // By powers of t − t_k: Horner's scheme, from the innermost bracket out.
+    let mut powers = [0.0; 4];
+    for i in (0..4).rev() {
+        for power in (1..4).rev() {
+            powers[power] = powers[power - 1] - at[i] * powers[power];
+        }
+        powers[0] = differences[i] - at[i] * powers[0];
+    }
+    Some(powers)
+}
+
 /// Gives a signal values at the rows between two of its readings.
 pub fn fill_between(between: Between, time: &[f64], values: &mut [f64], (a, b): (usize, usize)) {
     let (start, end) = (values[a], values[b]);
@@ -90,16 +116,16 @@ pub fn fill_between(between: Between, time: &[f64], values: &mut [f64], (a, b): 
         let part = (time[k] - time[a]) / (time[b] - time[a]);
         values[k] = match between {
             Between::Hold => start,
-            Between::Linear => start + part * (end - start),
+            Between::Linear | Between::Cubic => start + part * (end - start),
         };
     }
 }
 
 fn assumed(name: &str, hold: bool, still: usize, all: usize) -> Diagnostic {
     let (how, word) = if hold {
-        ("held from sample to sample", "hold")
+        ("held from sample to sample", Between::Hold.word())
     } else {
-        ("linear between samples", "linear")
+        ("linear between samples", Between::Linear.word())
     };
     let percent = 100.0 * still as f64 / all.max(1) as f64;
     Diagnostic::note("input-between", format!("input {name} is taken as {how}"))
@@ -157,6 +183,7 @@ pub(crate) fn intersample_error(inputs: &[Input], trajectory: &Trajectory) -> In
                     .map(|w| (w[2] - 2.0 * w[1] + w[0]).abs() / 12.0)
                     .collect(),
             ),
+            Between::Cubic => continue,
         };
         for (row, worst) in into.iter_mut().enumerate() {
             let near = moves
@@ -171,6 +198,7 @@ pub(crate) fn intersample_error(inputs: &[Input], trajectory: &Trajectory) -> In
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
     use sidc_lang::term::VarId;
 
     use super::*;
@@ -226,5 +254,23 @@ mod tests {
                 .chain(&linear[40..59])
                 .all(|u| *u == 1.0)
         );
+    }
+
+    proptest! {
+        #[test]
+        fn the_cubic_through_samples_of_a_cubic_is_that_cubic(
+            powers in proptest::array::uniform4(-3.0..3.0f64),
+            steps in proptest::collection::vec(0.2..2.0f64, 4..8),
+            place in 0..8usize,
+        ) {
+            let value = |t: f64| powers.iter().rev().fold(0.0, |y, a| y * t + a);
+            let time: Vec<f64> = steps.iter().scan(-3.0, |t, h| { *t += h; Some(*t) }).collect();
+            let values: Vec<f64> = time.iter().map(|t| value(*t)).collect();
+            let k = place % (time.len() - 1);
+            let found = cubic_after(&time, &values, k).unwrap();
+            let passed = 0.4 * (time[k + 1] - time[k]);
+            let between = found.iter().rev().fold(0.0, |y, a| y * passed + a);
+            prop_assert!((between - value(time[k] + passed)).abs() < 1e-9);
+        }
     }
 }

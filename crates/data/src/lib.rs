@@ -37,7 +37,7 @@ pub use dataset::{
 };
 pub use delays::{InputValue, KnownDelay, with_acting_inputs, with_true_readings};
 pub use derivatives::{difference_noise, is_smooth};
-pub use intersample::fill_between;
+pub use intersample::{cubic_after, fill_between};
 pub use sample_assembly::{Provenance, samples};
 pub use segmentation::{Break, breaks};
 pub use smoothing::{Smoothed, smooth};

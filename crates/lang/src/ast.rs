@@ -407,8 +407,8 @@ pub const KEYWORDS: &[(&str, Keyword)] = &[
 ];
 
 /// Every word that opens an attribute of a declaration.
-pub const ATTRIBUTES: [&str; 8] = [
-    "order", "noise", "memory", "unit", "hold", "linear", "delay", "hidden",
+pub const ATTRIBUTES: [&str; 9] = [
+    "order", "noise", "memory", "unit", "hold", "linear", "cubic", "delay", "hidden",
 ];
 
 impl Keyword {

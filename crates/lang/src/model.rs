@@ -109,6 +109,24 @@ pub enum Between {
     /// Zero-order hold: the value of a sample lasts until the next.
     Hold,
     Linear,
+    /// Along the cubic through the four nearest samples.
+    Cubic,
+}
+
+impl Between {
+    /// The attribute that declares it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Between::Hold => "hold",
+            Between::Linear => "linear",
+            Between::Cubic => "cubic",
+        }
+    }
+
+    pub fn named(word: &str) -> Option<Between> {
+        let all = [Between::Hold, Between::Linear, Between::Cubic];
+        all.into_iter().find(|b| b.word() == word)
+    }
 }
 
 /// How late an input acts, or a sensor reads a state, in seconds. Finite.

@@ -95,7 +95,7 @@ pub const STATEMENTS: [Entry; 15] = [
 ];
 
 /// Attributes of declarations.
-pub const ATTRIBUTES: [Entry; 8] = [
+pub const ATTRIBUTES: [Entry; 9] = [
     entry(
         "order",
         "order ${1:2}",
@@ -121,6 +121,11 @@ pub const ATTRIBUTES: [Entry; 8] = [
         "linear",
         "linear",
         "Between two samples an input moves in a straight line.",
+    ),
+    entry(
+        "cubic",
+        "cubic",
+        "Between two samples an input moves along the cubic through the four nearest samples.",
     ),
     entry(
         "delay",
@@ -198,7 +203,7 @@ pub const PLAIN: Entry = entry(
 pub fn attributes(keyword: Keyword) -> &'static [&'static str] {
     match keyword {
         Keyword::State => &["order", "noise", "memory", "unit", "delay", "hidden"],
-        Keyword::Input => &["order", "noise", "unit", "hold", "linear", "delay"],
+        Keyword::Input => &["order", "noise", "unit", "hold", "linear", "cubic", "delay"],
         Keyword::Output => &["noise", "unit"],
         Keyword::Param | Keyword::Unknown => &["unit"],
         _ => &[],

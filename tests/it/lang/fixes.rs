@@ -21,7 +21,7 @@ const WITHOUT: [&str; 9] = [
 const UNCOVERED: [(&str, &str); 27] = [
     (
         "attribute_values",
-        "an input either holds its value or moves linearly between samples",
+        "between its samples an input moves in one way",
     ),
     ("data_arithmetic", "a data entry is arithmetic on columns"),
     ("data_arithmetic", "a second entry for `t`"),

@@ -8,7 +8,7 @@ use crate::doubts::thresholds::{DOUBTS, TRAJECTORY_DOUBTS};
 use crate::trajectory::{
     BetterLaws, Channel, DelayedInputs, InputLag, LawChange, Problem, SensorOffset,
 };
-use sidc_lang::model::{Between, Equation, Model, Var, VarKind};
+use sidc_lang::model::{Equation, Model, Var, VarKind};
 use sidc_lang::number::significant;
 use sidc_lang::term::{Language, Signal, SignalNames, Term};
 use sidc_system::discovery::{
@@ -137,11 +137,7 @@ pub(crate) fn with_delay(input: &Var, delay: &str) -> String {
     if let Some(unit) = &input.unit {
         attributes.push(format!("unit \"{unit}\""));
     }
-    match input.between {
-        Some(Between::Hold) => attributes.push("hold".into()),
-        Some(Between::Linear) => attributes.push("linear".into()),
-        None => {}
-    }
+    attributes.extend(input.between.map(|b| b.word().to_string()));
     attributes.push(delay.into());
     format!("input {} : {}", input.name, attributes.join(", "))
 }

@@ -11,7 +11,7 @@ use crate::trajectory::{
     Channel, DelayedInputs, Disturbance, File, Found, InputLag, Law, Problem, SensorOffset,
 };
 use crate::uncertainty::term_identity::same_laws;
-use sidc_lang::model::Model;
+use sidc_lang::model::{Between, Model, VarKind};
 use sidc_lang::term::{Language, Signal, SignalNames, Term, VarId};
 use sidc_system::discovery::{
     ChannelFit, Discovery, DisturbanceFit, Equation, Evidence, FoundTerm, GrowingNoise, InputDelay,
@@ -50,6 +50,7 @@ impl Report<'_> {
                 channels: channels.iter().map(|c| self.channel(names, c)).collect(),
                 weakest: self.weakest(names, law),
                 delays: self.delays(names),
+                cubic: self.cubic_inputs(names),
                 disturbance: self.disturbance(law),
                 price: self.found.penalty,
                 tried: self.found.tried,
@@ -135,6 +136,25 @@ impl Report<'_> {
             inputs.map(delay).collect()
         };
         self.late.map(of).unwrap_or_default()
+    }
+
+    /// Inputs that run along cubics though the model does not say so.
+    fn cubic_inputs(&self, names: &Discovery) -> Vec<String> {
+        let exogenous = self.problem.system.exogenous.iter().enumerate();
+        let is_cubic = |x: usize| {
+            let mut signals = self.problem.records.iter().map(|r| r.exogenous.get(x));
+            signals.any(|o| o.is_some_and(|o| o.between == Between::Cubic))
+        };
+        let found = exogenous.filter(|(x, signal)| {
+            let var = self
+                .model
+                .var(signal.var)
+                .filter(|v| v.kind == VarKind::Input);
+            var.is_some_and(|v| v.between != Some(Between::Cubic)) && is_cubic(*x)
+        });
+        found
+            .map(|(_, signal)| names.variable(signal.var).to_string())
+            .collect()
     }
 
     /// Whether a delay concerns a law: those that contain a delayed input, or all laws if none does.

@@ -72,7 +72,7 @@ pub(super) fn sources(
             (Some(VarKind::Param | VarKind::Unknown), _) | (_, Some(Between::Hold)) => {
                 SignalSource::Held
             }
-            (_, Some(Between::Linear)) => SignalSource::Linear,
+            (_, Some(Between::Linear | Between::Cubic)) => SignalSource::Linear,
             _ => match smooth(*s) {
                 Some((record, order)) => SignalSource::Smooth { record, order },
                 None if needed.contains(s) => return None,

@@ -30,6 +30,7 @@ pub fn answer(d: &Discovery, v: &Verdict) -> String {
         out.push_str(&format!("{}: not found\n", d.name(f.target)));
     }
     out.push_str(&lines(d.delay_sentences().into_iter()));
+    out.push_str(&lines(d.cubic_sentences().into_iter()));
     out.push_str(&sparsest_answers(d));
     out.push_str(&other_laws(d));
     out.push('\n');

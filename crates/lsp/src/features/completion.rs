@@ -11,6 +11,7 @@ use lsp_types::{
 };
 use sidc_lang::ast::Keyword;
 use sidc_lang::library::GENERATORS;
+use sidc_lang::model::Between;
 use sidc_lang::term::{FUNCTIONS, Language, SignalNames};
 
 use crate::analysis::folder::TableHeader;
@@ -194,7 +195,7 @@ impl List<'_> {
         let of_sensors = |word: &str| matches!(word, "noise" | "memory" | "delay");
         let measured = said.iter().any(|word| of_sensors(word));
         let fits = |e: &&Entry| {
-            let moves = |word: &str| matches!(word, "hold" | "linear");
+            let moves = |word: &str| Between::named(word).is_some();
             let contradicts = hidden && of_sensors(e.word)
                 || measured && e.word == "hidden"
                 || moves(e.word) && said.iter().any(|word| moves(word));

@@ -15,6 +15,9 @@ pub struct JointEvidence {
     /// Delays that were estimated.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub delays: Vec<InputDelay>,
+    /// Inputs that were found to run along cubics between their samples.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub cubic: Vec<String>,
     /// What drives the law besides its terms, if that was estimated with it. The residuals of the channels are then what a reading says beyond
     /// those before it.
     #[serde(skip_serializing_if = "Option::is_none", default)]

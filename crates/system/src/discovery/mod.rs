@@ -3,6 +3,7 @@
 mod coefficient_inference;
 mod constants;
 mod correlations;
+mod cubic_inputs;
 mod delays_taken_out;
 mod equations;
 mod hidden_courses;

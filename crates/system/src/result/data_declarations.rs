@@ -41,6 +41,7 @@ pub struct Reading {
 pub enum CourseEntry {
     Hold,
     Linear,
+    Cubic,
 }
 
 impl Reading {
@@ -62,6 +63,7 @@ impl Reading {
                 let course = match between {
                     Between::Hold => CourseEntry::Hold,
                     Between::Linear => CourseEntry::Linear,
+                    Between::Cubic => CourseEntry::Cubic,
                 };
                 out.between.insert(var.name.clone(), course);
             }
@@ -128,6 +130,7 @@ impl Reading {
             var.between = Some(match course {
                 CourseEntry::Hold => Between::Hold,
                 CourseEntry::Linear => Between::Linear,
+                CourseEntry::Cubic => Between::Cubic,
             });
         }
         for (name, noise) in self.sensors() {

@@ -11,7 +11,7 @@ use sidc_progress::{Activity, Observer};
 /// Evaluations between two reports to the observer.
 const CALLS_PER_CHECK: u64 = 2048;
 
-/// The right side ẋ = f(t, x) along a stretch on which every input is a straight segment.
+/// The right side ẋ = f(t, x) along a stretch on which every input is one segment.
 pub(super) struct Flow<'a> {
     pub plant: &'a Plant,
     pub work: Workspace,
@@ -54,7 +54,7 @@ impl<'a> Flow<'a> {
         for (i, segment) in self.segments.iter().enumerate() {
             self.plant.give_one(&mut self.work, i, segment.value);
             self.work.input_slopes[i] = segment.slope;
-            if segment.slope != 0.0 {
+            if segment.moves() {
                 self.moving.push(i);
             }
         }
@@ -161,6 +161,7 @@ impl<'a> Flow<'a> {
         for i in &self.moving {
             let value = self.segments[*i].at(t);
             self.plant.give_one(&mut self.work, *i, value);
+            self.work.input_slopes[*i] = self.segments[*i].slope_at(t);
         }
     }
 }

@@ -189,7 +189,7 @@ impl<'a> Filters<'a> {
             for place in 0..=law.drives.len() {
                 let signal = filtered_signal(h, place.checked_sub(1), most);
                 let values = filtered.iter().map(|f| &f[place][0][..]);
-                problem.set_exogenous(signal, false, values);
+                problem.set_exogenous(signal, values);
             }
         }
         observed_fits(&problem, &self.sets(), observer)
@@ -300,7 +300,7 @@ impl HiddenLaw {
             system.columns[*j].for_each_signal(&mut |s| {
                 let place = system.exogenous.iter().position(|e| *e == s);
                 let records = problem.records.first();
-                held &= place.is_some_and(|i| records.is_some_and(|r| r.exogenous[i].held));
+                held &= place.is_some_and(|i| records.is_some_and(|r| r.exogenous[i].is_held()));
             });
             held
         };

@@ -84,7 +84,7 @@ pub(super) fn observed(problem: &Problem, observer: &mut dyn Observer) -> Vec<Ob
                 .map(|c| c.states.iter().skip(i).step_by(n).copied().collect())
                 .collect();
             part.problem
-                .set_exogenous(*signal, false, values.iter().map(Vec::as_slice));
+                .set_exogenous(*signal, values.iter().map(Vec::as_slice));
         }
     }
     let whole = |(j, a): (usize, f64)| Some((part.origin[j]?, a));

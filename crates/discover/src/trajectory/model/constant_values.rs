@@ -4,6 +4,7 @@
 
 use super::estimation_problem::Problem;
 use super::record::{Exogenous, Record};
+use sidc_lang::model::Between;
 use sidc_lang::term::Signal;
 
 impl Problem {
@@ -16,7 +17,8 @@ impl Problem {
         self.system.noisy_exogenous.push(false);
         for record in &mut self.records {
             let values = vec![value(record); record.len()];
-            record.exogenous.push(Exogenous { values, held: true });
+            let between = Between::Hold;
+            record.exogenous.push(Exogenous { values, between });
         }
     }
 

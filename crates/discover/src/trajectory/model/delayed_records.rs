@@ -11,6 +11,7 @@ use super::record::{Exogenous, Record};
 use super::rejected_readings::LeftOut;
 use super::smoothing::smoothed_trajectories;
 use crate::trajectory::thresholds::{DECLARED_DELAYS, INTERPOLATION, RECORDS};
+use sidc_lang::model::Between;
 use sidc_lang::term::{Signal, VarId};
 
 /// The delay of an input or of the sensors of a state.
@@ -215,7 +216,7 @@ impl Plan {
             };
             Exogenous {
                 values: nodes.iter().map(value).collect(),
-                held: o.held,
+                between: o.between,
             }
         });
         let moved = Record {
@@ -224,7 +225,6 @@ impl Plan {
             relative_noise,
             noise_time_constant: record.noise_time_constant.clone(),
             exogenous: exogenous.collect(),
-            curved: record.curved,
             time: nodes,
         };
         Some(Moved {
@@ -244,11 +244,12 @@ impl Plan {
             let size = o.values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
             let turns = |k: &usize| {
                 let (a, b) = (o.values[k - 1], o.values[*k]);
-                match (o.held, o.values.get(k + 1)) {
-                    (true, _) => a != b,
-                    (false, _) if record.curved => false,
-                    (false, Some(c)) => (c - 2.0 * b + a).abs() > INTERPOLATION.straight * size,
-                    (false, None) => false,
+                match (o.between, o.values.get(k + 1)) {
+                    (Between::Hold, _) => a != b,
+                    (Between::Linear, Some(c)) => {
+                        (c - 2.0 * b + a).abs() > INTERPOLATION.straight * size
+                    }
+                    (Between::Linear, None) | (Between::Cubic, _) => false,
                 }
             };
             let turning = (1..o.values.len()).filter(turns);
@@ -306,7 +307,7 @@ fn segment(time: &[f64], at: f64) -> (usize, f64) {
 
 /// Value of an exogenous signal at an instant of its record.
 fn acting(record: &Record, signal: usize, at: f64, tolerance: f64) -> f64 {
-    let held = record.exogenous.get(signal).is_some_and(|o| o.held);
+    let held = record.exogenous.get(signal).is_some_and(Exogenous::is_held);
     let (k, part) = segment(&record.time, at + if held { tolerance } else { 0.0 });
     record.exogenous_at(signal, k, part)
 }

@@ -5,6 +5,7 @@
 use super::disturbance_states::widened;
 use super::estimation_problem::Problem;
 use super::process_noise::{NoisyInput, ProcessNoise};
+use super::record::Exogenous;
 use crate::trajectory::thresholds::INPUT_NOISE;
 use sidc_lang::term::Signal;
 
@@ -15,7 +16,7 @@ impl Problem {
             return false;
         };
         let mut records = self.records.iter().map(|r| r.exogenous.get(place));
-        records.all(|o| o.is_some_and(|o| o.held))
+        records.all(|o| o.is_some_and(Exogenous::is_held))
     }
 
     /// Whether inputs are estimated.

@@ -5,6 +5,7 @@
 
 use super::estimation_problem::Problem;
 use super::record::Exogenous;
+use sidc_lang::model::Between;
 use sidc_lang::term::{Signal, Term};
 
 /// A problem of measured states alone.
@@ -54,7 +55,7 @@ impl Problem {
             let known = |s: &Signal| self.system.exogenous.iter().position(|e| e == s);
             let zero = || Exogenous {
                 values: vec![0.0; record.time.len()],
-                held: false,
+                between: Between::Linear,
             };
             let of = |s: &Signal| known(s).map_or_else(zero, |i| record.exogenous[i].clone());
             record.exogenous = exogenous.iter().map(of).collect();
@@ -80,11 +81,10 @@ impl Problem {
         ObservedPart { problem, origin }
     }
 
-    /// Sets the values of a signal from outside, record by record; a signal that no law has is left aside.
+    /// Sets the values of a signal from outside, straight between samples, record by record; a signal that no law has is left aside.
     pub(crate) fn set_exogenous<'v>(
         &mut self,
         signal: Signal,
-        held: bool,
         values: impl Iterator<Item = &'v [f64]>,
     ) {
         let Some(place) = self.system.exogenous.iter().position(|s| *s == signal) else {
@@ -93,7 +93,7 @@ impl Problem {
         for (record, values) in self.records.iter_mut().zip(values) {
             record.exogenous[place] = Exogenous {
                 values: values.to_vec(),
-                held,
+                between: Between::Linear,
             };
         }
     }

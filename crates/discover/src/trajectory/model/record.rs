@@ -28,8 +28,6 @@ pub struct Record {
     pub noise_time_constant: Vec<f64>,
     /// The exogenous signals of the system, in its order.
     pub exogenous: Vec<Exogenous>,
-    /// Whether exogenous signals that are not held run along cubics through four samples instead of straight.
-    pub curved: bool,
 }
 
 /// An exogenous signal.
@@ -37,8 +35,14 @@ pub struct Record {
 pub struct Exogenous {
     /// Length M.
     pub values: Vec<f64>,
-    /// Whether a value is held until the next sample (zero-order hold); otherwise signals are linear in between.
-    pub held: bool,
+    pub between: Between,
+}
+
+impl Exogenous {
+    /// Whether a value is held until the next sample (zero-order hold).
+    pub fn is_held(&self) -> bool {
+        self.between == Between::Hold
+    }
 }
 
 impl Record {
@@ -55,7 +59,7 @@ impl Record {
         let keep = |x: &Vec<f64>| x[samples.clone()].to_vec();
         let exogenous = self.exogenous.iter().map(|e| Exogenous {
             values: keep(&e.values),
-            held: e.held,
+            between: e.between,
         });
         Record {
             trajectory: self.trajectory,
@@ -68,7 +72,6 @@ impl Record {
                 .collect(),
             noise_time_constant: self.noise_time_constant.clone(),
             exogenous: exogenous.collect(),
-            curved: self.curved,
         }
     }
 
@@ -127,36 +130,28 @@ impl Record {
             return f64::NAN;
         };
         let here = o.values.get(k).copied().unwrap_or(f64::NAN);
-        if o.held {
-            return here;
+        let straight = |next: f64| here + part * (next - here);
+        match (o.between, o.values.get(k + 1)) {
+            (Between::Hold, _) | (_, None) => here,
+            (Between::Linear, Some(next)) => straight(*next),
+            (Between::Cubic, Some(next)) => match data::cubic_after(&self.time, &o.values, k) {
+                None => straight(*next),
+                Some(powers) => {
+                    let passed = part * (self.time[k + 1] - self.time[k]);
+                    powers.iter().rev().fold(0.0, |y, a| y * passed + a)
+                }
+            },
         }
-        let next = o.values.get(k + 1).copied().unwrap_or(here);
-        let cubic = || self.cubic_at(&o.values, k, part);
-        let curved = self.curved.then(cubic).flatten();
-        curved.unwrap_or(here + part * (next - here))
     }
 
     /// Its slope there, a second.
     pub fn exogenous_rate_at(&self, signal: usize, k: usize, part: f64) -> f64 {
-        if self.exogenous.get(signal).is_none_or(|o| o.held) {
+        if self.exogenous.get(signal).is_none_or(Exogenous::is_held) {
             return 0.0;
         }
         // Exact for a straight line; what differences leave of a cubic is far below its error.
         let [before, after] = [part - 1e-3, part + 1e-3].map(|at| self.exogenous_at(signal, k, at));
         (after - before) / (2e-3 * (self.time[k + 1] - self.time[k]))
-    }
-
-    /// Lagrange's cubic through the four samples that are nearest; `None` in shorter records.
-    fn cubic_at(&self, values: &[f64], k: usize, part: f64) -> Option<f64> {
-        let from = k.saturating_sub(1).min(values.len().checked_sub(4)?);
-        let at = self.time.get(k)? + part * (self.time.get(k + 1)? - self.time.get(k)?);
-        let (time, values) = (self.time.get(from..from + 4)?, values.get(from..from + 4)?);
-        let weight = |i: usize| {
-            let others = (0..4).filter(|j| *j != i);
-            let factors = others.map(|j| (at - time[j]) / (time[i] - time[j]));
-            factors.product::<f64>()
-        };
-        Some((0..4).map(|i| weight(i) * values[i]).sum())
     }
 }
 
@@ -217,11 +212,14 @@ fn record(
             false => None,
         };
         let mut values = smoothed.or_else(|| cut(*signal)).ok_or(*signal)?;
-        let held = dataset.between(signal.var) == Some(Between::Hold) && signal.der == 0;
-        if !fill_missing(time, &mut values, held) {
+        let between = match dataset.between(signal.var) {
+            Some(between) if signal.der == 0 => between,
+            _ => Between::Linear,
+        };
+        if !fill_missing(time, &mut values, between) {
             return Err(*signal);
         }
-        exogenous.push(Exogenous { values, held });
+        exogenous.push(Exogenous { values, between });
     }
     let unmeasured = || vec![f64::NAN; length];
     Ok(Record {
@@ -235,7 +233,6 @@ fn record(
         relative_noise: Vec::new(),
         noise_time_constant: Vec::new(),
         exogenous,
-        curved: false,
     })
 }
 
@@ -264,7 +261,7 @@ fn smoothed(
 }
 
 /// Fills missing values with the last one if held, else by linear interpolation in time. False if there are no values.
-fn fill_missing(time: &[f64], values: &mut [f64], held: bool) -> bool {
+fn fill_missing(time: &[f64], values: &mut [f64], between: Between) -> bool {
     let known: Vec<usize> = (0..values.len())
         .filter(|i| values[*i].is_finite())
         .collect();
@@ -272,7 +269,6 @@ fn fill_missing(time: &[f64], values: &mut [f64], held: bool) -> bool {
         return false;
     };
     let (start, end) = (values[*first], values[*last]);
-    let between = if held { Between::Hold } else { Between::Linear };
     values[..*first].fill(start);
     values[last + 1..].fill(end);
     for pair in known.windows(2) {

@@ -6,7 +6,7 @@
 use super::delay_screening::DelayProposal;
 use super::time_shift::{cut, cut_point, moved, reach, shifted, step};
 use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, fit};
-use crate::trajectory::model::{AppliedDelay, LinearizationPoint, Problem};
+use crate::trajectory::model::{AppliedDelay, Exogenous, LinearizationPoint, Problem};
 use crate::trajectory::search::{final_criterion, initial_fit};
 use crate::trajectory::thresholds::DELAYS;
 use sidc_lang::term::VarId;
@@ -187,6 +187,6 @@ pub fn is_held(problem: &Problem, inputs: &[VarId]) -> bool {
     let mut own = signals.filter(|(_, s)| inputs.contains(&s.var));
     own.any(|(x, _)| {
         let exogenous = problem.records.iter().filter_map(|r| r.exogenous.get(x));
-        exogenous.into_iter().any(|o| o.held)
+        exogenous.into_iter().any(Exogenous::is_held)
     })
 }

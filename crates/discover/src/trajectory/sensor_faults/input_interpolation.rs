@@ -7,9 +7,10 @@
 use std::borrow::Cow;
 
 use crate::trajectory::likelihood::{Fit, fit};
-use crate::trajectory::model::{AppliedDelay, Problem, ProcessNoise, Record};
+use crate::trajectory::model::{AppliedDelay, Exogenous, Problem, ProcessNoise, Record};
 use crate::trajectory::search::{Found, last_criterion};
 use crate::trajectory::thresholds::INTERPOLATION;
+use sidc_lang::model::Between;
 use sidc_lang::term::Signal;
 use sidc_progress::Observer;
 
@@ -80,7 +81,9 @@ impl Problem {
     /// The problem with inputs that are not held along cubics between their samples.
     pub fn along_cubics(&self) -> Problem {
         let mut curved = self.clone();
-        curved.records.iter_mut().for_each(|r| r.curved = true);
+        let signals = curved.records.iter_mut().flat_map(|r| &mut r.exogenous);
+        let straight = signals.filter(|o| o.between == Between::Linear);
+        straight.for_each(|o| o.between = Between::Cubic);
         curved
     }
 }
@@ -88,10 +91,8 @@ impl Problem {
 /// True if some exogenous signal is taken as straight between samples, and is not so by itself.
 fn bends(problem: &Problem) -> bool {
     let bent = |record: &Record, x: usize| {
-        if record.curved {
-            return false;
-        }
-        let Some(o) = record.exogenous.get(x).filter(|o| !o.held) else {
+        let straight = |o: &&Exogenous| o.between == Between::Linear;
+        let Some(o) = record.exogenous.get(x).filter(straight) else {
             return false;
         };
         let size = o.values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));

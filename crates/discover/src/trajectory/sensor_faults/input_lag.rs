@@ -9,6 +9,7 @@ use crate::trajectory::likelihood::fit;
 use crate::trajectory::model::{Exogenous, LinearizationPoint, Problem};
 use crate::trajectory::search::{Found, last_criterion};
 use crate::trajectory::thresholds::DELAYS;
+use sidc_lang::model::Between;
 use sidc_progress::Observer;
 
 /// A first-order lag of inputs, w' = (u - w)/τ, that explains as much as their delay.
@@ -63,7 +64,7 @@ fn lagged(problem: &Problem, late: &DelayedInputs, seconds: f64) -> Problem {
         for (_, exogenous) in signals.filter(|(s, _)| late.inputs.contains(&s.var)) {
             *exogenous = Exogenous {
                 values: behind_lag(&record.time, exogenous, seconds),
-                held: false,
+                between: Between::Linear,
             };
         }
     }
@@ -75,7 +76,7 @@ fn behind_lag(time: &[f64], u: &Exogenous, seconds: f64) -> Vec<f64> {
     let mut w = u.values.first().copied().unwrap_or(f64::NAN);
     let mut out = vec![w];
     for (times, values) in time.windows(2).zip(u.values.windows(2)) {
-        let drives = match u.held {
+        let drives = match u.is_held() {
             true => values[0],
             false => 0.5 * (values[0] + values[1]),
         };

@@ -97,7 +97,7 @@ fn value_at(time: &[f64], exogenous: &Exogenous, at: f64) -> f64 {
         return x(next.min(time.len().saturating_sub(1)));
     }
     let part = (at - time[next - 1]) / (time[next] - time[next - 1]);
-    if exogenous.held {
+    if exogenous.is_held() {
         // Delays of held inputs are whole samples; the comparison allows for rounding of time.
         return if part > 0.5 { x(next) } else { x(next - 1) };
     }

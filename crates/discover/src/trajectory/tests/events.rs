@@ -3,6 +3,7 @@
 use super::{close, system};
 use crate::trajectory::integration::{CompiledLaws, IntervalBlock, ShootingIntegrator, Workspace};
 use crate::trajectory::model::{Exogenous, Record, System};
+use sidc_lang::model::Between;
 
 /// One interval of 0.1 s of laws with all their columns active.
 struct Interval {
@@ -29,7 +30,7 @@ impl Interval {
         let n = self.system.states.len();
         let exogenous = |values: &[f64; 2]| Exogenous {
             values: values.to_vec(),
-            held: false,
+            between: Between::Linear,
         };
         let record = Record {
             time: vec![0.0, 0.1],

@@ -14,7 +14,7 @@ use super::model::{Exogenous, Record, System};
 use super::search::best_subsets;
 use nalgebra::{DMatrix, DVector};
 use sidc_lang::library::{self, GENERATORS};
-use sidc_lang::model::RightSide;
+use sidc_lang::model::{Between, RightSide};
 use sidc_lang::source::Sources;
 use sidc_lang::{GeneratorSignature, Vocabulary};
 use sidc_random::Numbers;
@@ -245,7 +245,7 @@ fn flow(system: &System, active: &[usize], a: &[f64], states: &[f64]) -> Interva
     let n = system.states.len();
     let exogenous = Exogenous {
         values: vec![0.7, -0.4, 0.3],
-        held: true,
+        between: Between::Hold,
     };
     let record = Record {
         trajectory: 0,
@@ -254,7 +254,6 @@ fn flow(system: &System, active: &[usize], a: &[f64], states: &[f64]) -> Interva
         relative_noise: Vec::new(),
         noise_time_constant: Vec::new(),
         exogenous: vec![exogenous; system.exogenous.len()],
-        curved: false,
     };
     let code = CompiledLaws::new(system, active);
     let flow = ShootingIntegrator {

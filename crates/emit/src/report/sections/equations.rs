@@ -29,7 +29,8 @@ pub(crate) fn html(s: &Subject) -> Section {
         ));
     }
     let said = unknown_constants::lines(d).chain(disturbance::sentences(d));
-    for said in said.chain(d.hidden_sentences()).chain(d.delay_sentences()) {
+    let of_inputs = d.delay_sentences().into_iter().chain(d.cubic_sentences());
+    for said in said.chain(d.hidden_sentences()).chain(of_inputs) {
         body.push_str(&format!("<p>{}</p>\n", escape(&said)));
     }
     for (head, laws) in relations::told(d) {

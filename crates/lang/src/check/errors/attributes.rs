@@ -11,7 +11,7 @@ pub fn unknown_attribute(at: Span, key: &str, known: &[&str]) -> Diagnostic {
         Some(near) => d.at(at, format!("did you mean `{near}`?")).fix(at, near),
         None => d.at(at, "not known"),
     };
-    d.fact("attributes: order 2, noise 0.01 or 2%, unit \"m\"; for inputs hold or linear; for inputs and states delay 0.09; for states memory 0.3 or hidden")
+    d.fact("attributes: order 2, noise 0.01 or 2%, unit \"m\"; for inputs hold, linear or cubic; for inputs and states delay 0.09; for states memory 0.3 or hidden")
 }
 
 pub fn attribute_elsewhere(at: Span, key: &str, keyword: &str) -> Diagnostic {
@@ -22,7 +22,7 @@ pub fn attribute_elsewhere(at: Span, key: &str, keyword: &str) -> Diagnostic {
     .at(at, "has no meaning here")
     .remove(at);
     match key {
-        "hold" | "linear" => d.help("it is for inputs: how they move between samples"),
+        "hold" | "linear" | "cubic" => d.help("it is for inputs: how they move between samples"),
         "order" => d.help("it is for states and inputs: how many derivatives exist"),
         "hidden" => d.help("it is for states: nothing measures it"),
         "delay" => {
@@ -163,13 +163,13 @@ pub fn attribute_without_value(at: Span, key: &str) -> Diagnostic {
         .fix(at, "")
 }
 
-pub fn hold_and_linear(at: Span, before: &'static str) -> Diagnostic {
+pub fn two_courses(at: Span, before: &'static str) -> Diagnostic {
     Diagnostic::error(
         "attribute-value",
-        "an input either holds its value or moves linearly between samples",
+        "between its samples an input moves in one way",
     )
     .at(at, "contradicts the attribute before")
-    .help("keep one of `hold` and `linear`")
+    .help("keep one of `hold`, `linear` and `cubic`")
     .remove(at)
     .edit(Edit::RemoveAttribute(at, before))
 }

@@ -227,7 +227,9 @@ impl Checker<'_> {
                 "noise" if keyword != Keyword::Param => out.noise = self.noise(a),
                 "memory" if keyword == Keyword::State => out.memory = self.memory(a),
                 "unit" => out.unit = self.unit(a),
-                "hold" | "linear" if keyword == Keyword::Input => self.between(a, &mut out.between),
+                key if keyword == Keyword::Input && Between::named(key).is_some() => {
+                    self.between(a, &mut out.between);
+                }
                 "delay" if matches!(keyword, Keyword::State | Keyword::Input) => {
                     out.delay = self.delay(keyword, a);
                 }
@@ -386,24 +388,15 @@ impl Checker<'_> {
         Some((inner, self.text(inner)))
     }
 
-    /// `hold` or `linear`
+    /// `hold`, `linear` or `cubic`
     fn between(&mut self, a: &Attribute, between: &mut Option<Between>) {
         if let Some(value) = &a.value {
             return self.say(errors::attribute_without_value(value.span, &a.key.text));
         }
-        if between.is_some() {
-            let before = if a.key.text == "hold" {
-                "linear"
-            } else {
-                "hold"
-            };
-            return self.say(errors::hold_and_linear(a.key.span, before));
+        if let Some(before) = between {
+            return self.say(errors::two_courses(a.key.span, before.word()));
         }
-        *between = Some(if a.key.text == "hold" {
-            Between::Hold
-        } else {
-            Between::Linear
-        });
+        *between = Between::named(&a.key.text);
     }
 
     fn attribute_number(&mut self, a: &Attribute, example: &str) -> Option<f64> {

@@ -1,8 +1,9 @@
-//! Inputs between their samples: zero-order hold or linear interpolation.
+//! Inputs between their samples: zero-order hold, straight lines or cubics.
 //!
-//! In: samples of one signal, how they are interpolated, a delay. Out: the straight segment that holds from any
+//! In: samples of one signal, how they are interpolated, a delay. Out: the segment that holds from any
 //! instant to the next knot. Missing samples are filled and counted.
 
+use sidc_data::{cubic_after, gaps};
 use sidc_lang::model::Between;
 
 /// One input along one record.
@@ -11,6 +12,8 @@ pub(crate) struct SampledInput {
     /// Finite, one for each row of the record.
     values: Vec<f64>,
     between: Between,
+    /// Rows before which there is a gap, which no cubic crosses.
+    gaps: Vec<usize>,
     /// Delay in seconds.
     pub late: f64,
     /// How many samples were missing.
@@ -21,7 +24,7 @@ pub(crate) struct SampledInput {
 #[derive(Clone, Debug)]
 pub(crate) enum InputSource {
     SampledInput(SampledInput),
-    /// The derivative of a sampled input: the slope of its segment.
+    /// The derivative of a sampled input.
     Slope(SampledInput),
     /// Constantly zero.
     Rest,
@@ -32,7 +35,7 @@ impl InputSource {
     pub fn line(&self, time: &[f64], t: f64) -> InputSegment {
         match self {
             InputSource::SampledInput(c) => c.line(time, t),
-            InputSource::Slope(c) => InputSegment::flat(t, c.line(time, t).slope),
+            InputSource::Slope(c) => c.line(time, t).derivative(),
             InputSource::Rest => InputSegment::default(),
         }
     }
@@ -46,12 +49,14 @@ impl InputSource {
     }
 }
 
-/// A straight segment in time.
+/// A segment of a polynomial in time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct InputSegment {
     pub from: f64,
     pub value: f64,
     pub slope: f64,
+    /// Factors of the second and the third power of time.
+    bends: [f64; 2],
     /// The end of the segment and the value there, exact where extrapolation would round.
     pub meets: (f64, f64),
 }
@@ -62,21 +67,52 @@ impl InputSegment {
             from,
             value,
             slope: 0.0,
+            bends: [0.0; 2],
             meets: (from, value),
         }
+    }
+
+    /// Its rate of change.
+    fn derivative(&self) -> InputSegment {
+        let (passed, [square, cube]) = (self.meets.0 - self.from, self.bends);
+        InputSegment {
+            from: self.from,
+            value: self.slope,
+            slope: 2.0 * square,
+            bends: [3.0 * cube, 0.0],
+            meets: (
+                self.meets.0,
+                self.slope + passed * (2.0 * square + passed * 3.0 * cube),
+            ),
+        }
+    }
+
+    /// Whether its value changes.
+    pub fn moves(&self) -> bool {
+        self.slope != 0.0 || self.bends != [0.0; 2]
+    }
+
+    /// Its rate of change at `t`.
+    pub fn slope_at(&self, t: f64) -> f64 {
+        let passed = t - self.from;
+        self.slope + passed * (2.0 * self.bends[0] + passed * 3.0 * self.bends[1])
     }
 
     #[inline]
     pub fn at(&self, t: f64) -> f64 {
         match self.meets {
             (end, value) if t == end => value,
-            _ => self.value + self.slope * (t - self.from),
+            _ => {
+                let (passed, [square, cube]) = (t - self.from, self.bends);
+                self.value + passed * (self.slope + passed * (square + passed * cube))
+            }
         }
     }
 
     /// True if `next` continues this segment without a jump or a bend.
     pub fn continues(&self, next: &InputSegment) -> bool {
-        self.slope == next.slope && (self.at(next.from) == next.value)
+        let straight = self.bends == [0.0; 2] && next.bends == [0.0; 2];
+        straight && self.slope == next.slope && self.at(next.from) == next.value
     }
 }
 
@@ -88,9 +124,14 @@ impl SampledInput {
         if missing > 0 {
             bridge(time, &mut values, between)?;
         }
+        let gaps = match between {
+            Between::Cubic => gaps(time),
+            Between::Hold | Between::Linear => Vec::new(),
+        };
         (!values.is_empty()).then_some(SampledInput {
             values,
             between,
+            gaps,
             late,
             missing,
         })
@@ -106,20 +147,37 @@ impl SampledInput {
             (0, _) => flat(value(0)),
             (i, _) if i > last => flat(value(last)),
             (i, Between::Hold) => flat(value(i - 1)),
-            (i, Between::Linear) => {
+            (i, Between::Linear | Between::Cubic) => {
                 let slope = (value(i) - value(i - 1)) / (time[i] - time[i - 1]);
                 if !slope.is_finite() {
                     // A slope beyond all numbers is a jump at the next sample.
                     return flat(value(i - 1));
                 }
+                let (slope, bends) = self.cubic(time, i - 1).unwrap_or((slope, [0.0; 2]));
                 InputSegment {
                     from: time[i - 1] + self.late,
                     value: value(i - 1),
                     slope,
+                    bends,
                     meets: (time[i] + self.late, value(i)),
                 }
             }
         }
+    }
+
+    /// Slope and bends of the cubic after a row. `None` where the input runs straight: by declaration, in a gap, in pieces of less than
+    /// four rows.
+    fn cubic(&self, time: &[f64], row: usize) -> Option<(f64, [f64; 2])> {
+        if self.between != Between::Cubic || self.gaps.binary_search(&(row + 1)).is_ok() {
+            return None;
+        }
+        let next = self.gaps.partition_point(|gap| *gap <= row);
+        let start = next.checked_sub(1).map_or(0, |before| self.gaps[before]);
+        let end = self.gaps.get(next).copied().unwrap_or(time.len());
+        let piece = self.values.get(start..end)?;
+        let [_, slope, square, cube] = cubic_after(time.get(start..end)?, piece, row - start)?;
+        let finite = slope.is_finite() && square.is_finite() && cube.is_finite();
+        finite.then_some((slope, [square, cube]))
     }
 
     /// When the value that acts at `t` was recorded. A knot of a delayed input is the sum of an instant and the delay; the difference must not
@@ -165,7 +223,7 @@ fn bridge(time: &[f64], values: &mut [f64], between: Between) -> Option<()> {
         let (last, next) = (after.checked_sub(1).map(|k| known[k]), known.get(after));
         values[i] = match (between, last, next) {
             (_, None, _) => values[first],
-            (Between::Linear, Some(a), Some(b)) => {
+            (Between::Linear | Between::Cubic, Some(a), Some(b)) => {
                 let share = (time[i] - time[a]) / (time[*b] - time[a]);
                 let rise = values[*b] - values[a];
                 match rise.is_finite() {
@@ -196,6 +254,26 @@ mod tests {
         let late = SampledInput::new(&time, &[5.0, 6.0, 7.0], Between::Hold, 0.25).unwrap();
         assert_eq!(late.line(&time, 1.0).at(1.2), 5.0);
         assert_eq!(late.line(&time, 1.25).at(1.3), 6.0);
+    }
+
+    #[test]
+    fn cubics_follow_a_smooth_input_but_not_across_a_gap() {
+        let mut time: Vec<f64> = (0..12).map(|k| 0.1 * f64::from(k)).collect();
+        time.extend((0..6).map(|k| 5.0 + 0.1 * f64::from(k)));
+        let samples: Vec<f64> = time.iter().map(|t| t.sin()).collect();
+        let input = SampledInput::new(&time, &samples, Between::Cubic, 0.02).unwrap();
+        for t in [0.05, 0.73, 1.07, 5.01, 5.33] {
+            let segment = input.line(&time, t + 0.02);
+            assert!((segment.at(t + 0.02) - t.sin()).abs() < 2e-5, "{t}");
+            assert!(
+                (segment.derivative().at(t + 0.02) - t.cos()).abs() < 2e-3,
+                "{t}"
+            );
+            assert!((segment.slope_at(t + 0.02) - t.cos()).abs() < 2e-3, "{t}");
+            assert_eq!(segment.at(segment.meets.0), segment.meets.1);
+        }
+        let gap = input.line(&time, 3.0);
+        assert_eq!(gap.bends, [0.0; 2]);
     }
 
     #[test]

@@ -132,6 +132,7 @@ impl Find<'_> {
         notes: &mut Vec<Diagnostic>,
     ) -> Result<SampledInput, Diagnostic> {
         let between = match self.record.between(s.var) {
+            Some(Between::Linear) if input && self.d.runs_along_cubics(s.var) => Between::Cubic,
             Some(between) if input && s.der == 0 => between,
             _ => Between::Linear,
         };
