@@ -8,6 +8,7 @@ use crate::joint::delay_outlier_search::search_with_disturbances;
 use crate::joint::joint_fit::{JointFit, unexplained};
 use crate::joint::library_probe::probe_libraries;
 use crate::joint::no_fit::still;
+use crate::joint::thresholds::JOINT;
 use crate::trajectory;
 use crate::trajectory::{AHEAD, Disturbance, Problem, ProcessNoise};
 use sidc_lang::model::Model;
@@ -39,7 +40,7 @@ pub(crate) fn with_disturbances<'a>(
     }
 }
 
-/// The fit with disturbances, if three conditions hold: its innovations are white, as they are for the right laws and disturbances; every
+/// The fit with disturbances, if three conditions hold: its innovations are white, as they are for the right laws and disturbances, or far whiter; every
 /// disturbance with a memory varies less than its target, since it may stand for what the laws lack; and standard terms outside the
 /// libraries do not explain the same. A disturbance with a memory must also make do with no more terms than the laws without disturbances,
 /// and these terms alone must predict as well from the same states. Where constraints shape the answer no disturbance is sought: the
@@ -74,7 +75,7 @@ fn disturbed<'a>(
     let gained = answer.and_then(|a| Some(a.fit.gain_over(a.fit.white_noise_answer.as_deref()?)));
     let known = before.map_or(problem, |b| &b.problem);
     let fit = search_with_disturbances(known, (before, gained.unwrap_or(0.0)), watcher)?;
-    let better = explained(&fit)
+    let better = (explained(&fit) || before.is_some_and(|b| is_far_whiter(b, &fit)))
         && laws_dominate(problem, &fit)
         && before.is_none_or(|b| replaces_answer(b, &fit, watcher));
     (better && watcher.stop().is_none()).then_some(fit)
@@ -90,6 +91,20 @@ fn noisy_inputs(model: &Model, problem: &Problem) -> Vec<(Signal, f64)> {
 
 fn explained(fit: &JointFit) -> bool {
     !unexplained(&fit.problem, &fit.found.best)
+}
+
+/// Whether white disturbances leave innovations that are no noise either, but follow each other far less than the residuals without them, by
+/// no more terms. What follows itself biases coefficients, so theirs are then the better ones; they stay doubted. So it is
+/// where a record holds the errors of another integrator.
+fn is_far_whiter(before: &JointFit, disturbed: &JointFit) -> bool {
+    let autocorrelation = |fit: &JointFit| {
+        let channels = trajectory::channels(&fit.problem, &fit.found.best).into_iter();
+        channels.fold(0.0, |worst: f64, c| worst.max(c.autocorrelation.abs()))
+    };
+    let best = &disturbed.found.best;
+    best.process().is_some_and(ProcessNoise::is_white)
+        && best.support().len() <= before.found.best.support().len()
+        && autocorrelation(disturbed) <= JOINT.far_whiter * autocorrelation(before)
 }
 
 /// Whether the variance of every disturbance with a memory is less than half of that of its target, so that the law explains the larger

@@ -17,6 +17,8 @@ family! {
         larger_tie: f64 = 2.0, unit "of the criterion", source "Kass & Raftery 1995: a difference below 2 is not worth more than a bare mention";
         /// Fall of χ², beside unknown constants, from which a support with one term more is a tie: the term left out may have moved a constant.
         omitted_gain: f64 = 4.5, unit "χ²", source "two standard errors of the term, and the 0.5 that written terms are cheaper; 18 right answers to random laws with 5 % noise: 3.5 at most";
+        /// Autocorrelation up to which innovations that are not white are better than residuals without disturbances.
+        far_whiter: f64 = 0.25, unit "of the autocorrelation before", source "the saturating circuit of `crates/studies/rigs` (0.11) then has its constants to 0.6 %, not to 17 %; the other sets stay as they are";
         /// How far a delay is looked for anew when inputs run along cubics.
         retimed: f64 = 0.1, unit "sampling intervals", source "straight inputs moved the delays of `crates/studies/lags/table.py --place delay --level 0` by 0.005";
         /// Spread of the readings below which a state does not move.
