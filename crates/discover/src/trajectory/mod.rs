@@ -57,7 +57,7 @@ pub(crate) mod structural;
 mod thresholds;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use hidden_states::ToldScale;
 pub(crate) use hidden_states::{

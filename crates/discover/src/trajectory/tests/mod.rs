@@ -1,7 +1,7 @@
 //! Filter, forms, beam and integration against plain versions of themselves: dense least squares, finite differences, series, brute force.
 
 mod events;
-mod windows;
+pub(crate) mod windows;
 
 use super::integration::{
     CompiledLaws, IntervalBlock, ShootingIntegrator, StateTransition, Workspace,

@@ -10,7 +10,7 @@ use sidc_progress::Unwatched;
 use sidc_random::Numbers;
 
 /// Two runs of the cart, of which only the places are read.
-fn cart_runs(lengths: [usize; 2]) -> Problem {
+pub(crate) fn cart_runs(lengths: [usize; 2]) -> Problem {
     let system = system(CART);
     let mut numbers = Numbers(3);
     let mut run = |length: usize| {
