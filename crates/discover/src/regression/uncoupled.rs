@@ -18,18 +18,20 @@ pub(crate) fn run_uncoupled(
     names: &Discovery,
     watcher: &mut EquationObserver,
 ) -> Vec<(usize, Found)> {
-    map_equations(at_once(&tasks), tasks, watcher, |(place, task), watcher| {
-        (place, task.run(names, watcher))
+    let sizes: Vec<u128> = tasks.iter().map(|(_, task)| size(task)).collect();
+    let limit = tasks.first().map_or(0, |(_, t)| t.options.memory);
+    map_equations(at_once(sizes, limit), tasks, watcher, |task, watcher| {
+        task.run(names, watcher)
     })
 }
 
-/// What `work` makes of tasks that each have the place of their equation, at most `at_once` of them at a time, in their order.
+/// What `work` makes of tasks, each with the place of its equation, at most `at_once` of them at a time, in their order.
 pub(super) fn map_equations<T: Send, A: Send>(
     at_once: usize,
     tasks: Vec<(usize, T)>,
     watcher: &mut EquationObserver,
-    work: impl Fn((usize, T), &mut EquationObserver) -> A + Sync,
-) -> Vec<A> {
+    work: impl Fn(T, &mut EquationObserver) -> A + Sync,
+) -> Vec<(usize, A)> {
     let mut observer = |activity: Activity| match activity {
         Activity::Equation { place, stage } => {
             watcher.set_equation(place);
@@ -40,15 +42,13 @@ pub(super) fn map_equations<T: Send, A: Send>(
     threads::map_watched(at_once, tasks, &mut observer, |(place, task), observer| {
         let mut watcher = EquationObserver::new(observer);
         watcher.set_equation(place);
-        work((place, task), &mut watcher)
+        (place, work(task, &mut watcher))
     })
 }
 
-/// How many tasks are done at once: one for each core, while their libraries fit together into the memory that each may take.
-fn at_once(tasks: &[(usize, Task)]) -> usize {
-    let mut sizes: Vec<u128> = tasks.iter().map(|(_, task)| size(task)).collect();
+/// How many tasks of these bytes are done at once: one for each core, while they fit together into the memory that each may take.
+pub(super) fn at_once(mut sizes: Vec<u128>, limit: u64) -> usize {
     sizes.sort_unstable_by(|a, b| b.cmp(a));
-    let limit = tasks.first().map_or(0, |(_, t)| t.options.memory);
     let mut total = 0u128;
     let fits = sizes.iter().take_while(|size| {
         total = total.saturating_add(**size);

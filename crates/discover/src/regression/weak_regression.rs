@@ -13,7 +13,7 @@ use crate::refusal::Unevaluable;
 use crate::regression::design::{Design, RowKind};
 use crate::regression::task::Task;
 use crate::regression::thresholds::WEAK_FORM;
-use crate::regression::uncoupled::map_equations;
+use crate::regression::uncoupled::{at_once, map_equations};
 use crate::row_weights::Weights;
 use crate::selection::information_criterion::InformationCriterion;
 use crate::selection::term_selection;
@@ -26,7 +26,6 @@ use sidc_progress::{EquationObserver, Stage};
 use sidc_solve as solve;
 use sidc_solve::Problem;
 use sidc_solve::dictionary::Dictionary;
-use sidc_solve::threads;
 use sidc_system::discovery::{Discovery, Equation, Failed};
 
 /// Slots of a library with their coefficients.
@@ -63,6 +62,14 @@ struct WeakEquation<'a> {
     task: Task<'a>,
     weak: Weak,
     best: Option<Iteration>,
+}
+
+impl WeakEquation<'_> {
+    /// Bytes of its matrix, with all copies.
+    fn size(&self) -> u128 {
+        let entries = self.weak.rows() as u128 * self.task.library.len() as u128;
+        entries * u128::from(WEAK_FORM.bytes_per_entry)
+    }
 }
 
 impl<'a> WeakSystem<'a> {
@@ -111,11 +118,13 @@ impl<'a> WeakSystem<'a> {
 
     /// Finds each equation alone, then again along the trajectories that the other equations gave.
     fn iterate(&mut self, watcher: &mut EquationObserver) {
+        let sizes = self.members.iter().map(WeakEquation::size).collect();
+        let limit = self.members.first().map_or(0, |m| m.task.options.memory);
         let members: Vec<_> = self.members.iter_mut().map(|m| (m.place, m)).collect();
-        let alone = |(_, m): (usize, &mut WeakEquation), watcher: &mut EquationObserver| {
+        let alone = |m: &mut WeakEquation, watcher: &mut EquationObserver| {
             m.best = m.task.search(&m.weak, None, watcher);
         };
-        map_equations(threads::available(), members, watcher, alone);
+        map_equations(at_once(sizes, limit), members, watcher, alone);
         for _ in 1..WEAK_FORM.max_passes {
             let moved = |m: &WeakEquation| m.best.as_ref().is_some_and(|r| r.own.moved());
             if !self.members.iter().any(moved) {
