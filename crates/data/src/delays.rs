@@ -1,7 +1,7 @@
 //! Records with their delays taken out: inputs as they act, and states as they were when their sensors read them.
 //!
 //! In: a dataset, delays in seconds. Out: a dataset of the same instants. A whole number of samples moves readings unchanged; between samples,
-//! held inputs keep their values, linear ones run straight, and readings of states are interpolated by polynomials through six samples.
+//! inputs are held, run straight or along cubics, and readings of states are interpolated by polynomials through six samples.
 //! What a record does not say is missing. Estimates no delay.
 
 use std::ops::Range;
@@ -9,6 +9,7 @@ use std::ops::Range;
 use sidc_lang::model::Between;
 use sidc_lang::term::{Signal, VarId};
 
+use crate::cubic::Cubic;
 use crate::dataset::{Dataset, Trajectory};
 use crate::time_axis::contiguous_ranges;
 
@@ -49,13 +50,14 @@ pub fn with_true_readings(dataset: &Dataset, sensors: &[KnownDelay]) -> Dataset 
 /// The records with these inputs, and their derivatives, as they act.
 pub fn with_acting_inputs(dataset: &Dataset, inputs: &[KnownDelay], value: InputValue) -> Dataset {
     moved(dataset, inputs, |time, values, seconds, signal| {
-        let held = dataset.between(signal.var) == Some(Between::Hold) && signal.der == 0;
+        let between = dataset.between_samples(signal);
         let at = |k: usize| -> Option<f64> {
             let from = time.get(k).copied()? - seconds;
-            match (held, value) {
-                (false, _) => straight(time, values, from),
-                (true, InputValue::AtInstant) => held_value(time, values, from),
-                (true, InputValue::OverStep) => {
+            match (between, value) {
+                (Between::Linear, _) => straight(time, values, from),
+                (Between::Cubic, _) => along_cubic(time, values, from),
+                (Between::Hold, InputValue::AtInstant) => held_value(time, values, from),
+                (Between::Hold, InputValue::OverStep) => {
                     let to = time.get(k + 1).map(|t| t - seconds);
                     held_mean(time, values, from, to.unwrap_or(from))
                 }
@@ -153,6 +155,15 @@ fn straight(time: &[f64], values: &[f64], at: f64) -> Option<f64> {
     }
 }
 
+/// Along a cubic; straight where there is none.
+fn along_cubic(time: &[f64], values: &[f64], at: f64) -> Option<f64> {
+    let (row, part) = place(time, at)?;
+    match Cubic::after(time, values, row).filter(|_| part > 0.0) {
+        Some(cubic) => Some(cubic.at(at - time.get(row)?)),
+        None => straight(time, values, at),
+    }
+}
+
 /// A reading between samples by the polynomial of Lagrange through those around it; straight where some of them are missing.
 fn reading(time: &[f64], values: &[f64], at: f64) -> Option<f64> {
     let (row, part) = place(time, at)?;
@@ -215,13 +226,23 @@ mod tests {
 
     #[test]
     fn whole_samples_move_values_unchanged() {
-        for between in [Between::Hold, Between::Linear] {
+        for between in [Between::Hold, Between::Linear, Between::Cubic] {
             let d = dataset(U, Some(between), f64::exp);
             let moved = with_acting_inputs(&d, &late(0.3), InputValue::AtInstant);
             assert_eq!(column(&moved)[3..], column(&d)[..37]);
             assert!(column(&moved)[..3].iter().all(|x| x.is_nan()));
             let earlier = with_acting_inputs(&d, &late(-0.3), InputValue::AtInstant);
             assert_eq!(column(&earlier)[..37], column(&d)[3..]);
+        }
+    }
+
+    #[test]
+    fn a_cubic_input_is_followed_between_its_samples() {
+        let d = dataset(U, Some(Between::Cubic), f64::sin);
+        let moved = with_acting_inputs(&d, &late(0.137), InputValue::AtInstant);
+        let acting = d.trajectories[0].time.iter().zip(column(&moved)).skip(2);
+        for (t, u) in acting {
+            assert!((u - (t - 0.137).sin()).abs() < 2e-5, "{t}: {u}");
         }
     }
 

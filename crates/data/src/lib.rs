@@ -13,6 +13,7 @@
 mod binding;
 mod checks;
 mod csv;
+mod cubic;
 mod dataset;
 mod delays;
 mod derivatives;
@@ -31,13 +32,14 @@ pub use csv::{
     ArrayColumn, ArrayFault, Limits, Table, TooLarge, Topic, Words, bad_cells, column_names,
     io_error_text, read, size, too_large,
 };
+pub use cubic::Cubic;
 pub use dataset::{
     Column, ConstantValue, Dataset, HoldOut, HoldOutRange, Input, Origin, RateFault, Samples,
     Trajectory, Window, hold_out, keep_window,
 };
 pub use delays::{InputValue, KnownDelay, with_acting_inputs, with_true_readings};
 pub use derivatives::{difference_noise, is_smooth};
-pub use intersample::{cubic_after, fill_between};
+pub use intersample::fill_between;
 pub use sample_assembly::{Provenance, samples};
 pub use segmentation::{Break, breaks};
 pub use smoothing::{Smoothed, smooth};

@@ -83,6 +83,12 @@ impl Dataset {
         self.inputs.iter().find(|i| i.var == var).map(|i| i.between)
     }
 
+    /// How a signal moves between samples: straight, unless it is a measured input that does not.
+    pub fn between_samples(&self, signal: Signal) -> Between {
+        let input = self.between(signal.var).filter(|_| signal.der == 0);
+        input.unwrap_or(Between::Linear)
+    }
+
     /// Whether some record has a column of this signal.
     pub fn has(&self, s: Signal) -> bool {
         self.trajectories.iter().any(|t| t.column(s).is_some())

@@ -152,9 +152,12 @@ impl Report<'_> {
                 .filter(|v| v.kind == VarKind::Input);
             var.is_some_and(|v| v.between != Some(Between::Cubic)) && is_cubic(*x)
         });
-        found
+        let mut found: Vec<String> = found
             .map(|(_, signal)| names.variable(signal.var).to_string())
-            .collect()
+            .collect();
+        // Signals are sorted, an input beside its derivatives.
+        found.dedup();
+        found
     }
 
     /// Whether a delay concerns a law: those that contain a delayed input, or all laws if none does.

@@ -148,6 +148,9 @@ impl<'a> Flow<'a> {
     /// Margins of all switches at a point.
     pub fn margins(&mut self, t: f64, x: &[f64], out: &mut Vec<f64>) -> Result<(), FaultKind> {
         self.at(t);
+        for i in &self.moving {
+            self.work.input_slopes[*i] = self.segments[*i].slope_at(t);
+        }
         self.plant.margins(&mut self.work, t, x, out)
     }
 
@@ -161,7 +164,6 @@ impl<'a> Flow<'a> {
         for i in &self.moving {
             let value = self.segments[*i].at(t);
             self.plant.give_one(&mut self.work, *i, value);
-            self.work.input_slopes[*i] = self.segments[*i].slope_at(t);
         }
     }
 }

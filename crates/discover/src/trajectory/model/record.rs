@@ -8,7 +8,7 @@ use std::ops::Range;
 use super::system::System;
 use crate::trajectory::thresholds::{NOISE_MEMORY, RECORDS};
 use sidc_data as data;
-use sidc_data::{Dataset, Trajectory};
+use sidc_data::{Cubic, Dataset, Trajectory};
 use sidc_lang::model::Between;
 use sidc_lang::sensor_noise::SensorNoise;
 use sidc_lang::term::{Signal, VarId};
@@ -35,6 +35,7 @@ pub struct Record {
 pub struct Exogenous {
     /// Length M.
     pub values: Vec<f64>,
+    /// How it moves from each sample to the next.
     pub between: Between,
 }
 
@@ -134,12 +135,9 @@ impl Record {
         match (o.between, o.values.get(k + 1)) {
             (Between::Hold, _) | (_, None) => here,
             (Between::Linear, Some(next)) => straight(*next),
-            (Between::Cubic, Some(next)) => match data::cubic_after(&self.time, &o.values, k) {
+            (Between::Cubic, Some(next)) => match Cubic::after(&self.time, &o.values, k) {
+                Some(cubic) => cubic.at(part * (self.time[k + 1] - self.time[k])),
                 None => straight(*next),
-                Some(powers) => {
-                    let passed = part * (self.time[k + 1] - self.time[k]);
-                    powers.iter().rev().fold(0.0, |y, a| y * passed + a)
-                }
             },
         }
     }
@@ -212,10 +210,7 @@ fn record(
             false => None,
         };
         let mut values = smoothed.or_else(|| cut(*signal)).ok_or(*signal)?;
-        let between = match dataset.between(signal.var) {
-            Some(between) if signal.der == 0 => between,
-            _ => Between::Linear,
-        };
+        let between = dataset.between_samples(*signal);
         if !fill_missing(time, &mut values, between) {
             return Err(*signal);
         }
@@ -260,7 +255,7 @@ fn smoothed(
     })
 }
 
-/// Fills missing values with the last one if held, else by linear interpolation in time. False if there are no values.
+/// Fills missing values with the last one if held, else straight. False if there are no values.
 fn fill_missing(time: &[f64], values: &mut [f64], between: Between) -> bool {
     let known: Vec<usize> = (0..values.len())
         .filter(|i| values[*i].is_finite())

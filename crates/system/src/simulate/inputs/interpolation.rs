@@ -3,7 +3,7 @@
 //! In: samples of one signal, how they are interpolated, a delay. Out: the segment that holds from any
 //! instant to the next knot. Missing samples are filled and counted.
 
-use sidc_data::{cubic_after, gaps};
+use sidc_data::{Cubic, gaps};
 use sidc_lang::model::Between;
 
 /// One input along one record.
@@ -74,16 +74,13 @@ impl InputSegment {
 
     /// Its rate of change.
     fn derivative(&self) -> InputSegment {
-        let (passed, [square, cube]) = (self.meets.0 - self.from, self.bends);
+        let (end, [square, cube]) = (self.meets.0, self.bends);
         InputSegment {
             from: self.from,
             value: self.slope,
             slope: 2.0 * square,
             bends: [3.0 * cube, 0.0],
-            meets: (
-                self.meets.0,
-                self.slope + passed * (2.0 * square + passed * 3.0 * cube),
-            ),
+            meets: (end, self.slope_at(end)),
         }
     }
 
@@ -153,31 +150,23 @@ impl SampledInput {
                     // A slope beyond all numbers is a jump at the next sample.
                     return flat(value(i - 1));
                 }
-                let (slope, bends) = self.cubic(time, i - 1).unwrap_or((slope, [0.0; 2]));
+                let straight = [value(i - 1), slope, 0.0, 0.0];
+                let powers = self.cubic(time, i - 1).map_or(straight, |c| c.powers);
                 InputSegment {
                     from: time[i - 1] + self.late,
                     value: value(i - 1),
-                    slope,
-                    bends,
+                    slope: powers[1],
+                    bends: [powers[2], powers[3]],
                     meets: (time[i] + self.late, value(i)),
                 }
             }
         }
     }
 
-    /// Slope and bends of the cubic after a row. `None` where the input runs straight: by declaration, in a gap, in pieces of less than
-    /// four rows.
-    fn cubic(&self, time: &[f64], row: usize) -> Option<(f64, [f64; 2])> {
-        if self.between != Between::Cubic || self.gaps.binary_search(&(row + 1)).is_ok() {
-            return None;
-        }
-        let next = self.gaps.partition_point(|gap| *gap <= row);
-        let start = next.checked_sub(1).map_or(0, |before| self.gaps[before]);
-        let end = self.gaps.get(next).copied().unwrap_or(time.len());
-        let piece = self.values.get(start..end)?;
-        let [_, slope, square, cube] = cubic_after(time.get(start..end)?, piece, row - start)?;
-        let finite = slope.is_finite() && square.is_finite() && cube.is_finite();
-        finite.then_some((slope, [square, cube]))
+    /// The cubic after a row; `None` where the input runs straight.
+    fn cubic(&self, time: &[f64], row: usize) -> Option<Cubic> {
+        let is_cubic = self.between == Between::Cubic;
+        is_cubic.then(|| Cubic::within_gaps(time, &self.values, &self.gaps, row))?
     }
 
     /// When the value that acts at `t` was recorded. A knot of a delayed input is the sum of an instant and the delay; the difference must not

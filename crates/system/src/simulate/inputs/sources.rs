@@ -98,7 +98,7 @@ impl Find<'_> {
             if !input {
                 self.driven.borrow_mut().push(s);
             }
-            let course = self.course(s, samples, input, notes);
+            let course = self.course(s, samples, notes);
             return course.map(InputSource::SampledInput);
         }
         let base = Signal::new(s.var);
@@ -106,7 +106,7 @@ impl Find<'_> {
         match below {
             Some(samples) if input => {
                 // A note on the input itself was or will be given with that input.
-                let course = self.course(base, samples, true, &mut Vec::new())?;
+                let course = self.course(base, samples, &mut Vec::new())?;
                 let held = self.record.between(s.var) == Some(Between::Hold);
                 notes.push(refuse::input_slope(self.d, s, held));
                 Ok(match (held, s.der) {
@@ -118,7 +118,7 @@ impl Find<'_> {
                 let estimated = candidates::series(self.model, self.record, s);
                 let (samples, _) = estimated.ok_or_else(|| refuse::no_drive(self.d, s))?;
                 self.driven.borrow_mut().push(s);
-                let course = self.course(s, &samples, false, &mut Vec::new());
+                let course = self.course(s, &samples, &mut Vec::new());
                 course.map(InputSource::SampledInput)
             }
         }
@@ -128,13 +128,11 @@ impl Find<'_> {
         &self,
         s: Signal,
         samples: &[f64],
-        input: bool,
         notes: &mut Vec<Diagnostic>,
     ) -> Result<SampledInput, Diagnostic> {
-        let between = match self.record.between(s.var) {
-            Some(Between::Linear) if input && self.d.runs_along_cubics(s.var) => Between::Cubic,
-            Some(between) if input && s.der == 0 => between,
-            _ => Between::Linear,
+        let between = match self.record.between_samples(s) {
+            Between::Linear if self.d.runs_along_cubics(s.var) => Between::Cubic,
+            between => between,
         };
         let late = self.d.input_delay(s.var);
         let time = &self.trajectory.time;
