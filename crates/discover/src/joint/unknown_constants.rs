@@ -11,6 +11,8 @@ use crate::joint::named_correlations::named_correlations;
 use crate::joint::weak_start::weak_start;
 use crate::needed_signals::needed_signals;
 use crate::options::Options;
+use crate::regression::thresholds::WEAK_FORM;
+use crate::regression::uncoupled::{at_once, map_equations};
 use crate::trajectory::{
     Answer, CONSTANTS, FittedConstants, Found, HIDDEN, Parameter, Problem, SoughtConstant,
     constants_by_runs, fit_constants, fit_constants_by_levels, fit_constants_from, fit_proposed,
@@ -103,8 +105,7 @@ fn likeliest(
     options: &Options,
     watcher: &mut EquationObserver,
 ) -> Vec<Vec<f64>> {
-    let mut ranked: Vec<(f64, Vec<f64>)> = Vec::new();
-    for values in points {
+    let fitted_from = |values: Vec<f64>, watcher: &mut EquationObserver| {
         let constants = Constants::new(all, &values, &[]);
         let (at, acting) = (constants.problem(problem), constants.dataset(dataset));
         let start = weak_start((model, libraries), &acting, &at, options, watcher);
@@ -115,13 +116,17 @@ fn likeliest(
             }
         };
         let new = |f: &FittedConstants| (f.value, f.constants.iter().map(|c| c.value).collect());
-        let entry = fitted.as_ref().map_or((f64::INFINITY, values), new);
+        fitted.as_ref().map_or((f64::INFINITY, values), new)
+    };
+    let entries = (problem.system.columns.len() * problem.measurements()) as u128;
+    let size = entries * u128::from(WEAK_FORM.bytes_per_entry);
+    let at_once = at_once(vec![size; points.len()], options.memory);
+    let points = points.into_iter().map(|values| (0, values)).collect();
+    let mut ranked: Vec<(f64, Vec<f64>)> = Vec::new();
+    for (_, entry) in map_equations(at_once, points, watcher, fitted_from) {
         let near = |(_, v): &(f64, Vec<f64>)| unknown_constants::alike(v, &entry.1);
         if !ranked.iter().any(near) {
             ranked.push(entry);
-        }
-        if watcher.stop().is_some() {
-            break;
         }
     }
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -26,7 +26,7 @@ pub(crate) fn run_uncoupled(
 }
 
 /// What `work` makes of tasks, each with the place of its equation, at most `at_once` of them at a time, in their order.
-pub(super) fn map_equations<T: Send, A: Send>(
+pub(crate) fn map_equations<T: Send, A: Send>(
     at_once: usize,
     tasks: Vec<(usize, T)>,
     watcher: &mut EquationObserver,
@@ -47,7 +47,7 @@ pub(super) fn map_equations<T: Send, A: Send>(
 }
 
 /// How many tasks of these bytes are done at once: one for each core, while they fit together into the memory that each may take.
-pub(super) fn at_once(mut sizes: Vec<u128>, limit: u64) -> usize {
+pub(crate) fn at_once(mut sizes: Vec<u128>, limit: u64) -> usize {
     sizes.sort_unstable_by(|a, b| b.cmp(a));
     let mut total = 0u128;
     let fits = sizes.iter().take_while(|size| {

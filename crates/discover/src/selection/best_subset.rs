@@ -141,7 +141,7 @@ impl BestSubsetSearch {
         let mut moves: Vec<(f64, usize, usize)> = Vec::new();
         for (i, state) in states.iter().enumerate() {
             let rss = dot(&state.residual, &state.residual);
-            let mut gains = self.gains(state);
+            let mut gains = self.gains(state, &state.support);
             gains.sort_by(|a, b| b.0.total_cmp(&a.0));
             moves.extend(
                 gains
@@ -160,35 +160,44 @@ impl BestSubsetSearch {
     }
 
     /// Subsets one change away: for each column dropped (or none), the subset without it and the best additions to that.
+    ///
+    /// The columns are projected off the whole support once. Off the support without a column j they have in addition their part along the
+    /// direction of j that the others leave, so that all gains of N columns by a drop cost one product of N columns with that direction.
     fn neighbours(
         &self,
         support: &[usize],
         max_terms: usize,
         observer: &mut dyn Observer,
     ) -> Vec<ScoredSubset> {
+        let whole = self.project(support);
         let mut out = Vec::new();
         for gap in 0..=support.len() {
             if !observer.go_on() {
                 break;
             }
-            if support.get(gap).is_some_and(|j| self.required.contains(j)) {
+            let dropped = support.get(gap).copied();
+            if dropped.is_some_and(|j| self.required.contains(&j)) {
                 continue;
             }
-            let kept: Vec<usize> = support
-                .iter()
-                .enumerate()
-                .filter(|(i, _)| *i != gap)
-                .map(|(_, j)| *j)
+            let kept: Vec<usize> = (support.iter().copied())
+                .filter(|j| Some(*j) != dropped)
                 .collect();
-            let state = self.project(&kept);
-            out.push(self.subset(&state));
+            let rest = OrthonormalBasis::new(self, &kept);
+            out.push(self.scored(kept.clone(), &rest.residual));
             if kept.len() >= max_terms {
                 continue;
             }
-            let mut gains = self.gains(&state);
+            let back = dropped.and_then(|j| rest.direction(self, j));
+            let mut gains = match back {
+                Some(back) => self.gains_along(&whole, &kept, &back, &rest.residual),
+                None => self.gains(&whole, &kept),
+            };
             gains.sort_by(|a, b| b.0.total_cmp(&a.0));
             for (_, j) in gains.iter().take(SUBSET_SEARCH.additions) {
-                out.push(self.subset(&self.with(&state, *j)));
+                let mut larger = kept.clone();
+                larger.push(*j);
+                larger.sort_unstable();
+                out.push(self.scored(larger, &rest.residual_with(self, *j)));
             }
         }
         out
@@ -211,51 +220,135 @@ impl BestSubsetSearch {
 
     /// A support, with what is required.
     fn project(&self, support: &[usize]) -> Projection {
-        let new = support.iter().filter(|j| !self.required.contains(j));
-        new.fold(self.start(), |state, j| self.with(&state, *j))
+        let mut state = self.start();
+        for j in support.iter().filter(|j| !self.required.contains(j)) {
+            self.extend(&mut state, *j);
+        }
+        state
     }
 
     /// By how much each column not chosen yet would lower the squared residual.
-    fn gains(&self, state: &Projection) -> Vec<(f64, usize)> {
-        state
-            .columns
-            .chunks_exact(self.rows)
-            .enumerate()
-            .filter(|(j, _)| !state.support.contains(j))
-            .filter_map(|(j, c)| {
-                let square = dot(c, c);
-                let along = dot(c, &state.residual);
-                (square > SUBSET_SEARCH.dependent * SUBSET_SEARCH.dependent)
-                    .then(|| (along * along / square, j))
-            })
+    fn gains(&self, state: &Projection, chosen: &[usize]) -> Vec<(f64, usize)> {
+        let columns = state.columns.chunks_exact(self.rows).enumerate();
+        let free = columns.filter(|(j, _)| !chosen.contains(j));
+        free.filter_map(|(j, c)| Some((gain(dot(c, c), dot(c, &state.residual))?, j)))
             .collect()
+    }
+
+    /// The same beside `kept`, which is the support of `state` without one column; `back` is the direction that this leaves, `residual` that of
+    /// `kept`.
+    fn gains_along(
+        &self,
+        state: &Projection,
+        kept: &[usize],
+        back: &[f64],
+        residual: &[f64],
+    ) -> Vec<(f64, usize)> {
+        let target = dot(back, residual);
+        let projected = state.columns.chunks_exact(self.rows);
+        let columns = projected.zip(self.columns.chunks_exact(self.rows));
+        let free = columns.enumerate().filter(|(j, _)| !kept.contains(j));
+        let gains = free.filter_map(|(j, (c, own))| {
+            let part = dot(back, own);
+            let (square, along) = (dot(c, c), dot(c, &state.residual));
+            Some((gain(square + part * part, along + part * target)?, j))
+        });
+        gains.collect()
+    }
+
+    fn column(&self, j: usize) -> &[f64] {
+        &self.columns[j * self.rows..(j + 1) * self.rows]
     }
 
     /// The state with column `j` chosen too, everything projected off it.
     fn with(&self, state: &Projection, j: usize) -> Projection {
         let mut next = state.clone();
-        next.support.push(j);
-        next.support.sort_unstable();
-        let mut direction = state.columns[j * self.rows..(j + 1) * self.rows].to_vec();
-        let length = dot(&direction, &direction).sqrt();
-        if length <= SUBSET_SEARCH.dependent {
-            return next;
-        }
-        direction.iter_mut().for_each(|x| *x /= length);
-        for column in next.columns.chunks_exact_mut(self.rows) {
-            project_off(column, &direction);
-        }
-        project_off(&mut next.residual, &direction);
+        self.extend(&mut next, j);
         next
     }
 
+    fn extend(&self, state: &mut Projection, j: usize) {
+        let place = state.support.partition_point(|k| *k < j);
+        state.support.insert(place, j);
+        let own = &state.columns[j * self.rows..(j + 1) * self.rows];
+        let Some(direction) = unit(own.to_vec()) else {
+            return;
+        };
+        for column in state.columns.chunks_exact_mut(self.rows) {
+            project_off(column, &direction);
+        }
+        project_off(&mut state.residual, &direction);
+    }
+
     fn subset(&self, state: &Projection) -> ScoredSubset {
-        let rss = dot(&state.residual, &state.residual) + self.outside;
+        self.scored(state.support.clone(), &state.residual)
+    }
+
+    fn scored(&self, support: Vec<usize>, residual: &[f64]) -> ScoredSubset {
+        let rss = dot(residual, residual) + self.outside;
         ScoredSubset {
-            support: state.support.clone(),
-            value: self.criterion.value(rss, state.support.len()),
+            value: self.criterion.value(rss, support.len()),
+            support,
         }
     }
+}
+
+/// An orthonormal basis of a support, and the target projected off it.
+struct OrthonormalBasis {
+    directions: Vec<Vec<f64>>,
+    residual: Vec<f64>,
+}
+
+impl OrthonormalBasis {
+    fn new(search: &BestSubsetSearch, support: &[usize]) -> OrthonormalBasis {
+        let mut basis = OrthonormalBasis {
+            directions: Vec::new(),
+            residual: search.target.clone(),
+        };
+        // What is required comes first, as in projections of all columns.
+        let (required, others): (Vec<usize>, Vec<usize>) =
+            support.iter().partition(|j| search.required.contains(j));
+        for j in required.into_iter().chain(others) {
+            if let Some(direction) = basis.direction(search, j) {
+                project_off(&mut basis.residual, &direction);
+                basis.directions.push(direction);
+            }
+        }
+        basis
+    }
+
+    /// The direction that a column adds; `None` if it adds none.
+    fn direction(&self, search: &BestSubsetSearch, j: usize) -> Option<Vec<f64>> {
+        let mut column = search.column(j).to_vec();
+        for direction in &self.directions {
+            project_off(&mut column, direction);
+        }
+        unit(column)
+    }
+
+    /// The residual with column `j` too.
+    fn residual_with(&self, search: &BestSubsetSearch, j: usize) -> Vec<f64> {
+        let mut residual = self.residual.clone();
+        if let Some(direction) = self.direction(search, j) {
+            project_off(&mut residual, &direction);
+        }
+        residual
+    }
+}
+
+/// What a column lowers the squared residual by; `None` if it is dependent on the chosen ones.
+fn gain(square: f64, along: f64) -> Option<f64> {
+    (square > SUBSET_SEARCH.dependent * SUBSET_SEARCH.dependent).then(|| along * along / square)
+}
+
+/// The direction of a column; `None` if too little of it is left.
+fn unit(mut column: Vec<f64>) -> Option<Vec<f64>> {
+    let length = dot(&column, &column).sqrt();
+    if length <= SUBSET_SEARCH.dependent {
+        return None;
+    }
+    column.iter_mut().for_each(|x| *x /= length);
+    Some(column)
 }
 
 /// The descent by single changes from the best subset of the beam.
@@ -384,6 +477,36 @@ mod tests {
         // More of them than terms are allowed otherwise.
         let all = search.requiring((0..12).collect());
         assert!(all.run(3, &[], &mut Unwatched)[0].support.len() >= 12);
+    }
+
+    #[test]
+    fn neighbours_are_those_of_projections() {
+        let (rows, count) = (60, 20);
+        let columns = Numbers(21).many(rows * count);
+        let target = Numbers(22).many(rows);
+        let criterion = InformationCriterion::new(rows, 1.0, count, 0.0);
+        let search =
+            BestSubsetSearch::new(rows, columns, target, 0.0, criterion).requiring(vec![12]);
+        let support = [2, 3, 11, 12, 17];
+        let mut expected = Vec::new();
+        for dropped in [Some(2), Some(3), Some(11), Some(17), None] {
+            let kept: Vec<usize> = support
+                .into_iter()
+                .filter(|j| Some(*j) != dropped)
+                .collect();
+            let state = search.project(&kept);
+            expected.push(search.subset(&state));
+            let mut gains = search.gains(&state, &kept);
+            gains.sort_by(|a, b| b.0.total_cmp(&a.0));
+            let best = gains.iter().take(SUBSET_SEARCH.additions);
+            expected.extend(best.map(|(_, j)| search.subset(&search.with(&state, *j))));
+        }
+        let found = search.neighbours(&support, 10, &mut Unwatched);
+        assert_eq!(found.len(), expected.len());
+        for (one, other) in found.iter().zip(&expected) {
+            assert_eq!(one.support, other.support);
+            assert!((one.value - other.value).abs() < 1e-9 * other.value.abs());
+        }
     }
 
     #[test]

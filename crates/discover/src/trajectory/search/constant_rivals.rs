@@ -16,6 +16,7 @@ use crate::trajectory::likelihood::Fit;
 use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::thresholds::{CONSTANTS, SEARCH};
 use sidc_progress::Observer;
+use sidc_solve::threads;
 
 /// What a search found.
 #[derive(Clone, Copy)]
@@ -32,7 +33,7 @@ pub fn laws_with_constants(
     answer: &Answer,
     constants: &[SoughtConstant],
     points: &[Vec<f64>],
-    range: &dyn Fn(usize, f64) -> (f64, f64),
+    range: &(dyn Fn(usize, f64) -> (f64, f64) + Sync),
     observer: &mut dyn Observer,
 ) -> Vec<FittedConstants> {
     let Answer { problem, found, .. } = *answer;
@@ -51,7 +52,7 @@ pub fn laws_with_constants(
     );
     match own {
         Some(own) if answer.explained => {
-            refits.shorter(own, SEARCH.max_pruned_loss, &mut laws, observer);
+            laws.extend(refits.without_each(own, SEARCH.max_pruned_loss, observer));
             laws.extend(refits.longer(constants, observer));
         }
         own => laws.extend(own),
@@ -63,7 +64,8 @@ pub fn laws_with_constants(
         found.penalty,
         observer,
     );
-    for law in to_be_fitted(profile, constants, answer) {
+    let profiled = to_be_fitted(profile, constants, answer);
+    let fitted = |law: ProfiledLaw, observer: &mut dyn Observer| {
         let at = constants.iter().zip(&law.values).enumerate();
         let at = at.map(|(k, (c, value))| {
             let range = range(k, *value);
@@ -71,13 +73,11 @@ pub fn laws_with_constants(
             SoughtConstant { value, range, ..*c }
         });
         let at: Vec<SoughtConstant> = at.collect();
-        if let Some(fitted) = refits.fitted(&law.terms, &at, observer) {
-            refits.shorter(fitted, found.penalty, &mut laws, observer);
-        }
-        if !observer.go_on() {
-            break;
-        }
-    }
+        let fitted = refits.fitted(&law.terms, &at, observer);
+        fitted.map(|law| refits.pruned(law, found.penalty, observer))
+    };
+    let fitted = threads::map_watched(threads::available(), profiled, observer, fitted);
+    laws.extend(fitted.into_iter().flatten().flatten());
     laws.sort_by(|a, b| a.value.total_cmp(&b.value));
     laws
 }
@@ -173,39 +173,80 @@ impl Refits<'_> {
         longer.collect()
     }
 
-    /// Fits of a law without each of the terms whose removal is predicted to cost less than `loss`, and so on from the best of these for as
-    /// long as the criterion falls.
-    fn shorter(
+    /// The law, and without each of the terms whose removal is predicted to cost less than `loss`. The best of these is pruned if it is better
+    /// than the law.
+    fn without_each(
         &self,
         law: FittedConstants,
         loss: f64,
-        out: &mut Vec<FittedConstants>,
         observer: &mut dyn Observer,
-    ) {
+    ) -> Vec<FittedConstants> {
+        let light = light_terms(&law, loss);
+        let shorter = light
+            .into_iter()
+            .filter_map(|place| self.without(&law, place, observer));
+        let mut laws: Vec<FittedConstants> = shorter.collect();
+        laws.sort_by(|a, b| a.value.total_cmp(&b.value));
+        if laws.first().is_some_and(|best| best.improves(&law)) {
+            let best = laws.remove(0);
+            laws.extend(self.pruned(best, loss, observer));
+        }
+        laws.push(law);
+        laws
+    }
+
+    /// The laws fitted as terms are removed one by one for as long as the criterion falls: each time the first that makes it fall, in the order
+    /// of what their removal is predicted to cost, if that is less than `loss`.
+    fn pruned(
+        &self,
+        law: FittedConstants,
+        loss: f64,
+        observer: &mut dyn Observer,
+    ) -> Vec<FittedConstants> {
+        let mut passed = Vec::new();
         let mut here = law;
         loop {
-            let ratios = here.terms.iter().zip(&here.variances);
-            let ratios = ratios.map(|((_, a), v)| a * a / v).enumerate();
-            let mut light: Vec<(usize, f64)> = ratios.filter(|(_, r)| *r < loss).collect();
-            light.sort_by(|a, b| a.1.total_cmp(&b.1));
-            let mut best: Option<FittedConstants> = None;
-            for (place, _) in light {
-                let mut rest = here.terms.clone();
-                rest.remove(place);
-                let next = self.fitted(&rest, &here.constants, observer);
-                let Some(next) = next else { continue };
-                if best.as_ref().is_none_or(|b| next.value < b.value) {
-                    out.extend(best.replace(next));
-                } else {
-                    out.push(next);
+            let mut better = None;
+            for place in light_terms(&here, loss) {
+                match self.without(&here, place, observer) {
+                    Some(next) if next.improves(&here) => {
+                        better = Some(next);
+                        break;
+                    }
+                    next => passed.extend(next),
                 }
             }
-            let value = here.value;
-            out.push(here);
-            match best {
-                Some(b) if b.value < value - SEARCH.min_gain => here = b,
-                rest => return out.extend(rest),
-            }
+            let Some(better) = better else {
+                passed.push(here);
+                return passed;
+            };
+            passed.push(std::mem::replace(&mut here, better));
         }
     }
+
+    fn without(
+        &self,
+        law: &FittedConstants,
+        place: usize,
+        observer: &mut dyn Observer,
+    ) -> Option<FittedConstants> {
+        let mut rest = law.terms.clone();
+        rest.remove(place);
+        self.fitted(&rest, &law.constants, observer)
+    }
+}
+
+impl FittedConstants {
+    fn improves(&self, other: &FittedConstants) -> bool {
+        self.value < other.value - SEARCH.min_gain
+    }
+}
+
+/// Places of the terms whose removal is predicted to cost less than `loss`, the cheapest first.
+fn light_terms(law: &FittedConstants, loss: f64) -> Vec<usize> {
+    let ratios = law.terms.iter().zip(&law.variances);
+    let ratios = ratios.map(|((_, a), v)| a * a / v).enumerate();
+    let mut light: Vec<(usize, f64)> = ratios.filter(|(_, r)| *r < loss).collect();
+    light.sort_by(|a, b| a.1.total_cmp(&b.1));
+    light.into_iter().map(|(place, _)| place).collect()
 }
