@@ -17,6 +17,7 @@ use sidc_lang::number::significant;
 use sidc_lang::source::Sources;
 use sidc_lang::term::{Signal, SignalNames};
 use sidc_progress::{Activity, Observer};
+use sidc_solve::threads::{self, map_watched};
 use sidc_system::discovery::{Change, Discovery, Equation, Reason, ReasonCode, Status};
 
 use super::program::{Program, compile};
@@ -129,9 +130,16 @@ impl Trial<'_> {
 
     /// What is found with each added state, unless nothing drives it or its constant is at an end of its range.
     fn each(&mut self, states: Vec<(String, AddedState)>, given: &Program) -> Vec<Proposal> {
-        let proposal = |(what, added): (String, AddedState)| {
+        let (dataset, options, scope) = (self.dataset, self.options, self.scope);
+        let proposal = |(what, added): (String, AddedState), observer: &mut dyn Observer| {
             let program = compiled(&added.text, given)?;
-            let (found, description) = self.describe(&program)?;
+            let trial = &mut Trial {
+                dataset,
+                options,
+                scope,
+                observer,
+            };
+            let (found, description) = trial.describe(&program)?;
             let told = is_driven(&found, &added.state) && !is_at_end(&found, &program);
             told.then_some(Proposal {
                 what,
@@ -140,7 +148,8 @@ impl Trial<'_> {
                 description,
             })
         };
-        states.into_iter().filter_map(proposal).collect()
+        let tried = map_watched(threads::available(), states, self.observer, proposal);
+        tried.into_iter().flatten().collect()
     }
 
     /// Estimates the equations of a program jointly with their trajectory, and how well they describe the readings.

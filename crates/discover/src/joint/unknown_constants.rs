@@ -8,7 +8,7 @@ use std::borrow::Cow;
 
 use crate::doubts::constant_rules;
 use crate::joint::named_correlations::named_correlations;
-use crate::joint::weak_start::weak_start;
+use crate::joint::weak_start::weak_guesses;
 use crate::needed_signals::needed_signals;
 use crate::options::Options;
 use crate::regression::thresholds::WEAK_FORM;
@@ -108,11 +108,14 @@ fn likeliest(
     let fitted_from = |values: Vec<f64>, watcher: &mut EquationObserver| {
         let constants = Constants::new(all, &values, &[]);
         let (at, acting) = (constants.problem(problem), constants.dataset(dataset));
-        let start = weak_start((model, libraries), &acting, &at, options, watcher);
         let fitted = match at.system.columns.is_empty() {
             true => fit_constants_by_levels(&at, &constants.sought, watcher),
             false => {
-                start.and_then(|s| fit_constants_from(&at, &s, &constants.sought, 1.0, watcher))
+                let guesses = weak_guesses((model, libraries), &acting, &at, options, watcher);
+                let fits = guesses.iter().filter_map(|guess| {
+                    fit_constants_from(&at, guess, &constants.sought, 1.0, watcher)
+                });
+                fits.min_by(|a, b| a.value.total_cmp(&b.value))
             }
         };
         let new = |f: &FittedConstants| (f.value, f.constants.iter().map(|c| c.value).collect());

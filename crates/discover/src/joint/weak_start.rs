@@ -19,31 +19,60 @@ use sidc_progress::EquationObserver;
 /// exhaustively, and for records so long that only parts of them are searched,
 /// and where coefficients differ between runs.
 pub(crate) fn weak_start(
-    (model, libraries): (&Model, &[Option<Library>]),
+    of: (&Model, &[Option<Library>]),
     dataset: &Dataset,
     problem: &Problem,
     options: &Options,
     watcher: &mut EquationObserver,
 ) -> Option<StartingSupport> {
-    let options = &Options {
-        method: Method::Weak,
-        ..*options
-    };
     if !problem.system.hidden.is_empty() {
         // The weak form needs readings of every state.
         return problem.proposed_columns();
     }
+    from_weak_form(of, (dataset, problem), options, |weak| {
+        all_columns(problem, &weak.terms(watcher))
+    })?
+}
+
+/// The columns of all laws that the weak form selects before it iterates, at several prices of a term; different ones only. None where
+/// there would be no [`weak_start`]. For a start these serve better than what iteration makes of them: along the smoothed readings it adds
+/// terms that explain their errors.
+pub(crate) fn weak_guesses(
+    of: (&Model, &[Option<Library>]),
+    dataset: &Dataset,
+    problem: &Problem,
+    options: &Options,
+    watcher: &mut EquationObserver,
+) -> Vec<StartingSupport> {
+    let guesses = from_weak_form(of, (dataset, problem), options, |weak| {
+        weak.guesses(watcher)
+    });
+    let guesses = guesses.unwrap_or_default().into_iter();
+    let mut guesses: Vec<StartingSupport> = guesses
+        .filter_map(|guess| all_columns(problem, &guess))
+        .collect();
+    guesses.dedup_by(|a, b| a.iter().map(|t| t.0).eq(b.iter().map(|t| t.0)));
+    guesses
+}
+
+/// What `work` makes of the weak form of all laws that are searched.
+fn from_weak_form<A>(
+    (model, libraries): (&Model, &[Option<Library>]),
+    (dataset, problem): (&Dataset, &Problem),
+    options: &Options,
+    work: impl FnOnce(WeakSystem) -> A,
+) -> Option<A> {
+    let options = &Options {
+        method: Method::Weak,
+        ..*options
+    };
     if problem.searched_in_parts() || !problem.run_columns.is_empty() {
         return None;
     }
-    let searched = || problem.system.laws.iter().filter(|l| !l.columns.is_empty());
-    if searched().next().is_none() {
-        return Some(StartingSupport::new());
-    }
-    if searched().any(|l| l.columns.len() > TERM_SELECTION.exhaustive_columns) {
+    if searched(problem).any(|l| l.columns.len() > TERM_SELECTION.exhaustive_columns) {
         return None;
     }
-    let known: Vec<(&Law, Vec<(f64, Term)>)> = searched()
+    let known: Vec<(&Law, Vec<(f64, Term)>)> = searched(problem)
         .map(|l| (l, fixed_terms(&model.equations[l.equation].right)))
         .collect();
     let samples = Samples::default();
@@ -59,11 +88,20 @@ pub(crate) fn weak_start(
         };
         Some((law.equation, task))
     });
-    let found = WeakSystem::new(tasks).ok()?.terms(watcher);
+    Some(work(WeakSystem::new(tasks).ok()?))
+}
+
+fn searched(problem: &Problem) -> impl Iterator<Item = &Law> {
+    let laws = problem.system.laws.iter();
+    laws.filter(|l| !l.columns.is_empty())
+}
+
+/// The columns of all laws, from the terms of each equation; `None` if one lacks.
+fn all_columns(problem: &Problem, found: &[(usize, SlotTerms)]) -> Option<StartingSupport> {
     let mut start = StartingSupport::new();
-    for law in searched() {
+    for law in searched(problem) {
         let own = found.iter().find(|(place, _)| *place == law.equation);
-        start.extend(columns(law, own?.1.as_ref()?)?);
+        start.extend(columns(law, &own?.1)?);
     }
     start.sort_unstable_by_key(|(column, _)| *column);
     Some(start)

@@ -109,11 +109,26 @@ impl<'a> WeakSystem<'a> {
         self.members.into_iter().map(conclude).collect()
     }
 
-    /// Slots and coefficients of each equation, without evidence. `None` where one has no weak form or nothing was found.
-    pub fn terms(mut self, watcher: &mut EquationObserver) -> Vec<(usize, Option<SlotTerms>)> {
+    /// Slots and coefficients of each equation that is found, without evidence.
+    pub fn terms(mut self, watcher: &mut EquationObserver) -> Vec<(usize, SlotTerms)> {
         self.iterate(watcher);
-        let terms = |m: WeakEquation| (m.place, m.best.map(|b| b.found.pairs));
-        self.members.into_iter().map(terms).collect()
+        let terms = |m: WeakEquation| Some((m.place, m.best?.found.pairs));
+        self.members.into_iter().filter_map(terms).collect()
+    }
+
+    /// First guesses of all equations, without iteration, one for each factor on the cost of a term. Costs a tenth of [`WeakSystem::terms`].
+    pub fn guesses(self, watcher: &mut EquationObserver) -> Vec<Vec<(usize, SlotTerms)>> {
+        let [slack, ..] = WEAK_FORM.initial_slacks;
+        let mut guesses = vec![Vec::new(); WEAK_FORM.penalty_factors.len()];
+        for m in &self.members {
+            let Some(whitened) = m.weak.whitened(&[], slack) else {
+                continue;
+            };
+            for (guess, factor) in guesses.iter_mut().zip(WEAK_FORM.penalty_factors) {
+                guess.push((m.place, m.task.choose(&whitened, factor, watcher).pairs));
+            }
+        }
+        guesses
     }
 
     /// Finds each equation alone, then again along the trajectories that the other equations gave.

@@ -3,6 +3,9 @@
 //! In: weighted columns and target, reduced to few rows. Out: supports, best first. Works on columns orthogonalised by modified
 //! Gram–Schmidt and never on the Gram matrix, which would lose half of the digits of clean data.
 
+#[cfg(test)]
+mod tests;
+
 use sidc_progress::Observer;
 use std::collections::BTreeSet;
 
@@ -141,7 +144,7 @@ impl BestSubsetSearch {
         let mut moves: Vec<(f64, usize, usize)> = Vec::new();
         for (i, state) in states.iter().enumerate() {
             let rss = dot(&state.residual, &state.residual);
-            let mut gains = self.gains(state, &state.support);
+            let mut gains = Products::new(self, state).gains(&state.support);
             gains.sort_by(|a, b| b.0.total_cmp(&a.0));
             moves.extend(
                 gains
@@ -169,7 +172,7 @@ impl BestSubsetSearch {
         max_terms: usize,
         observer: &mut dyn Observer,
     ) -> Vec<ScoredSubset> {
-        let whole = self.project(support);
+        let whole = Products::new(self, &self.project(support));
         let mut out = Vec::new();
         for gap in 0..=support.len() {
             if !observer.go_on() {
@@ -189,8 +192,8 @@ impl BestSubsetSearch {
             }
             let back = dropped.and_then(|j| rest.direction(self, j));
             let mut gains = match back {
-                Some(back) => self.gains_along(&whole, &kept, &back, &rest.residual),
-                None => self.gains(&whole, &kept),
+                Some(back) => whole.gains_along(self, &kept, &back, &rest.residual),
+                None => whole.gains(&kept),
             };
             gains.sort_by(|a, b| b.0.total_cmp(&a.0));
             for (_, j) in gains.iter().take(SUBSET_SEARCH.additions) {
@@ -227,35 +230,6 @@ impl BestSubsetSearch {
         state
     }
 
-    /// By how much each column not chosen yet would lower the squared residual.
-    fn gains(&self, state: &Projection, chosen: &[usize]) -> Vec<(f64, usize)> {
-        let columns = state.columns.chunks_exact(self.rows).enumerate();
-        let free = columns.filter(|(j, _)| !chosen.contains(j));
-        free.filter_map(|(j, c)| Some((gain(dot(c, c), dot(c, &state.residual))?, j)))
-            .collect()
-    }
-
-    /// The same beside `kept`, which is the support of `state` without one column; `back` is the direction that this leaves, `residual` that of
-    /// `kept`.
-    fn gains_along(
-        &self,
-        state: &Projection,
-        kept: &[usize],
-        back: &[f64],
-        residual: &[f64],
-    ) -> Vec<(f64, usize)> {
-        let target = dot(back, residual);
-        let projected = state.columns.chunks_exact(self.rows);
-        let columns = projected.zip(self.columns.chunks_exact(self.rows));
-        let free = columns.enumerate().filter(|(j, _)| !kept.contains(j));
-        let gains = free.filter_map(|(j, (c, own))| {
-            let part = dot(back, own);
-            let (square, along) = (dot(c, c), dot(c, &state.residual));
-            Some((gain(square + part * part, along + part * target)?, j))
-        });
-        gains.collect()
-    }
-
     fn column(&self, j: usize) -> &[f64] {
         &self.columns[j * self.rows..(j + 1) * self.rows]
     }
@@ -290,6 +264,45 @@ impl BestSubsetSearch {
             value: self.criterion.value(rss, support.len()),
             support,
         }
+    }
+}
+
+/// Of each column projected off a subset: its squared length, and its product with the residual.
+struct Products {
+    of: Vec<(f64, f64)>,
+}
+
+impl Products {
+    fn new(search: &BestSubsetSearch, state: &Projection) -> Products {
+        let columns = state.columns.chunks_exact(search.rows);
+        let of = columns.map(|c| (dot(c, c), dot(c, &state.residual)));
+        Products { of: of.collect() }
+    }
+
+    /// By how much each column not chosen yet would lower the squared residual.
+    fn gains(&self, chosen: &[usize]) -> Vec<(f64, usize)> {
+        let columns = self.of.iter().enumerate();
+        let free = columns.filter(|(j, _)| !chosen.contains(j));
+        free.filter_map(|(j, (square, along))| Some((gain(*square, *along)?, j)))
+            .collect()
+    }
+
+    /// The same beside `kept`, which lacks one column of the subset; `back` is the direction that this leaves, `residual` that of `kept`.
+    fn gains_along(
+        &self,
+        search: &BestSubsetSearch,
+        kept: &[usize],
+        back: &[f64],
+        residual: &[f64],
+    ) -> Vec<(f64, usize)> {
+        let target = dot(back, residual);
+        let columns = self.of.iter().enumerate();
+        let free = columns.filter(|(j, _)| !kept.contains(j));
+        let gains = free.filter_map(|(j, (square, along))| {
+            let part = dot(back, search.column(j));
+            Some((gain(square + part * part, along + part * target)?, j))
+        });
+        gains.collect()
     }
 }
 
@@ -413,111 +426,4 @@ fn project_off(column: &mut [f64], direction: &[f64]) {
         .iter_mut()
         .zip(direction)
         .for_each(|(c, d)| *c -= along * d);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use sidc_progress::Unwatched;
-    use sidc_random::Numbers;
-
-    #[test]
-    fn planted_supports_are_found_in_noise() {
-        let (rows, count) = (120, 40);
-        let columns = Numbers(3).many(rows * count);
-        let error = Numbers(5).many(rows);
-        let column = |j: usize| &columns[j * rows..(j + 1) * rows];
-        let target: Vec<f64> = (0..rows)
-            .map(|i| 2.0 * column(7)[i] - 0.5 * column(19)[i] + 0.1 * error[i])
-            .collect();
-        let criterion = InformationCriterion::new(rows, 1.0, count, 0.0);
-        let best = &BestSubsetSearch::new(rows, columns.clone(), target, 0.0, criterion).run(
-            10,
-            &[],
-            &mut Unwatched,
-        )[0];
-        assert_eq!(best.support, vec![7, 19]);
-    }
-
-    #[test]
-    fn below_the_floor_a_better_fit_is_no_evidence() {
-        let (rows, count) = (100, 20);
-        let columns = Numbers(11).many(rows * count);
-        let column = |j: usize| &columns[j * rows..(j + 1) * rows];
-        let target: Vec<f64> = (0..rows)
-            .map(|i| column(2)[i] + 1e-6 * column(5)[i])
-            .collect();
-        let run = |floor: f64| {
-            let criterion = InformationCriterion::new(rows, 1.0, count, floor * floor);
-            let search =
-                BestSubsetSearch::new(rows, columns.clone(), target.clone(), 0.0, criterion);
-            search.run(10, &[], &mut Unwatched)[0].support.clone()
-        };
-        assert_eq!(run(1e-4), vec![2]);
-        assert_eq!(run(1e-9), vec![2, 5]);
-    }
-
-    #[test]
-    fn what_is_required_is_in_every_subset() {
-        let (rows, count) = (120, 30);
-        let columns = Numbers(3).many(rows * count);
-        let error = Numbers(5).many(rows);
-        let column = |j: usize| &columns[j * rows..(j + 1) * rows];
-        let target: Vec<f64> = (0..rows)
-            .map(|i| 2.0 * column(7)[i] - 0.5 * column(19)[i] + 0.1 * error[i])
-            .collect();
-        let criterion = InformationCriterion::new(rows, 1.0, count, 0.0);
-        let search = BestSubsetSearch::new(rows, columns.clone(), target, 0.0, criterion)
-            .requiring(vec![4, 19]);
-        let found = search.run(10, &[vec![1, 2]], &mut Unwatched);
-        assert_eq!(found[0].support, vec![4, 7, 19]);
-        for subset in &found {
-            assert!(subset.support.contains(&4) && subset.support.contains(&19));
-        }
-        // More of them than terms are allowed otherwise.
-        let all = search.requiring((0..12).collect());
-        assert!(all.run(3, &[], &mut Unwatched)[0].support.len() >= 12);
-    }
-
-    #[test]
-    fn neighbours_are_those_of_projections() {
-        let (rows, count) = (60, 20);
-        let columns = Numbers(21).many(rows * count);
-        let target = Numbers(22).many(rows);
-        let criterion = InformationCriterion::new(rows, 1.0, count, 0.0);
-        let search =
-            BestSubsetSearch::new(rows, columns, target, 0.0, criterion).requiring(vec![12]);
-        let support = [2, 3, 11, 12, 17];
-        let mut expected = Vec::new();
-        for dropped in [Some(2), Some(3), Some(11), Some(17), None] {
-            let kept: Vec<usize> = support
-                .into_iter()
-                .filter(|j| Some(*j) != dropped)
-                .collect();
-            let state = search.project(&kept);
-            expected.push(search.subset(&state));
-            let mut gains = search.gains(&state, &kept);
-            gains.sort_by(|a, b| b.0.total_cmp(&a.0));
-            let best = gains.iter().take(SUBSET_SEARCH.additions);
-            expected.extend(best.map(|(_, j)| search.subset(&search.with(&state, *j))));
-        }
-        let found = search.neighbours(&support, 10, &mut Unwatched);
-        assert_eq!(found.len(), expected.len());
-        for (one, other) in found.iter().zip(&expected) {
-            assert_eq!(one.support, other.support);
-            assert!((one.value - other.value).abs() < 1e-9 * other.value.abs());
-        }
-    }
-
-    #[test]
-    fn duplicated_columns_are_chosen_once() {
-        let rows = 30;
-        let one = Numbers(9).many(rows);
-        let columns = [one.clone(), one.clone(), Numbers(10).many(rows)].concat();
-        let criterion = InformationCriterion::new(rows, 1.0, 3, 1e-20);
-        let best =
-            &BestSubsetSearch::new(rows, columns, one, 0.0, criterion).run(3, &[], &mut Unwatched)
-                [0];
-        assert_eq!(best.support.len(), 1);
-    }
 }

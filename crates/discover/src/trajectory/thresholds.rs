@@ -367,7 +367,7 @@ family! {
 family! {
     /// Unknown constants for given terms.
     pub(crate) CONSTANTS: Constants {
-        /// Points whose likelihood is looked at, with the terms of the weak form, which costs a hundredth of a search.
+        /// Points whose likelihood is looked at, with terms that the weak form guesses, which costs a thousandth of a search.
         ranked: usize = 40, unit "points", source "every start and every end on rows of differentiated noise, which may put the right one anywhere";
         /// Gauss–Newton steps.
         steps: usize = 12, unit "steps", source "the search on rows starts them within their basin; each step then gains a digit";

@@ -13,6 +13,7 @@ use super::start::value_of_start;
 use super::thresholds::HIDDEN;
 use crate::trajectory::model::Problem;
 use sidc_progress::Observer;
+use sidc_solve::threads::{self, map_watched};
 
 /// Distinct values, the likeliest first; empty where no guessed course leads along the readings.
 pub(crate) fn likely_constants(
@@ -40,7 +41,6 @@ pub(crate) fn likely_constants(
             false => along,
         }
     };
-    let mut points: Vec<(f64, Vec<f64>)> = Vec::new();
     // Each judgement may take a fit of all laws; fewer values are then tried.
     let (count, combinations, improved) = match solved {
         true => (HIDDEN.coarse_values, HIDDEN.coarse_combinations, 1),
@@ -50,17 +50,20 @@ pub(crate) fn likely_constants(
         true => (HIDDEN.refinements, 1),
         false => (HIDDEN.halvings, 8),
     };
-    for values in first_values(sought, count, combinations) {
-        if !observer.go_on() {
-            break;
-        }
-        points.push((judge(&values, observer), values));
-    }
+    let judged = |values: Vec<f64>, observer: &mut dyn Observer| match observer.go_on() {
+        true => (judge(&values, observer), values),
+        false => (f64::INFINITY, values),
+    };
+    let first = first_values(sought, count, combinations);
+    let mut points = map_watched(threads::available(), first, observer, judged);
     points.retain(|(value, _)| value.is_finite());
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    points.truncate(improved);
+    let moved = |point: (f64, Vec<f64>), observer: &mut dyn Observer| {
+        improve(point, sought, rounds, &mut |values| judge(values, observer))
+    };
     let mut best: Vec<(f64, Vec<f64>)> = Vec::new();
-    for point in points.into_iter().take(improved) {
-        let improved = improve(point, sought, rounds, &mut |values| judge(values, observer));
+    for improved in map_watched(threads::available(), points, observer, moved) {
         let known = |(_, v): &(f64, Vec<f64>)| alike(v, &improved.1);
         if !best.iter().any(known) {
             best.push(improved);
