@@ -24,7 +24,7 @@ use sidc_data::{ConstantValue, Dataset, Samples, samples};
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
 use sidc_lang::term::{Language, Signal, SignalNames};
-use sidc_progress::EquationObserver;
+use sidc_progress::{EquationObserver, Observer};
 use sidc_system::discovery::{Discovery, UnknownValue};
 
 /// The unknown constants of a model, in order of declaration.
@@ -106,6 +106,9 @@ fn likeliest(
     watcher: &mut EquationObserver,
 ) -> Vec<Vec<f64>> {
     let fitted_from = |values: Vec<f64>, watcher: &mut EquationObserver| {
+        if !watcher.go_on() {
+            return (f64::INFINITY, values);
+        }
         let constants = Constants::new(all, &values, &[]);
         let (at, acting) = (constants.problem(problem), constants.dataset(dataset));
         let fitted = match at.system.columns.is_empty() {

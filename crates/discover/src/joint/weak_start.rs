@@ -34,7 +34,7 @@ pub(crate) fn weak_start(
     })?
 }
 
-/// The columns of all laws that the weak form selects before it iterates, at several prices of a term; different ones only. None where
+/// The columns of all laws that the weak form selects before it iterates, at several prices of a term; different ones only. Empty where
 /// there would be no [`weak_start`]. For a start these serve better than what iteration makes of them: along the smoothed readings it adds
 /// terms that explain their errors.
 pub(crate) fn weak_guesses(

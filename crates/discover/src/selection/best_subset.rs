@@ -185,7 +185,7 @@ impl BestSubsetSearch {
             let kept: Vec<usize> = (support.iter().copied())
                 .filter(|j| Some(*j) != dropped)
                 .collect();
-            let rest = OrthonormalBasis::new(self, &kept);
+            let rest = SupportProjection::new(self, &kept);
             out.push(self.scored(kept.clone(), &rest.residual));
             if kept.len() >= max_terms {
                 continue;
@@ -212,13 +212,15 @@ impl BestSubsetSearch {
 
     /// What is required and nothing else.
     fn start(&self) -> Projection {
-        let nothing = Projection {
+        let mut state = Projection {
             support: Vec::new(),
             columns: self.columns.clone(),
             residual: self.target.clone(),
         };
-        let required = self.required.iter();
-        required.fold(nothing, |state, j| self.with(&state, *j))
+        for j in &self.required {
+            self.extend(&mut state, *j);
+        }
+        state
     }
 
     /// A support, with what is required.
@@ -306,15 +308,16 @@ impl Products {
     }
 }
 
-/// An orthonormal basis of a support, and the target projected off it.
-struct OrthonormalBasis {
+/// The target projected off a support, without the columns of other terms. As there, each direction is projected off once, so that a subset
+/// has the same criterion however it is reached (`crate::scaled_design::OrthonormalBasis` projects twice).
+struct SupportProjection {
     directions: Vec<Vec<f64>>,
     residual: Vec<f64>,
 }
 
-impl OrthonormalBasis {
-    fn new(search: &BestSubsetSearch, support: &[usize]) -> OrthonormalBasis {
-        let mut basis = OrthonormalBasis {
+impl SupportProjection {
+    fn new(search: &BestSubsetSearch, support: &[usize]) -> SupportProjection {
+        let mut projection = SupportProjection {
             directions: Vec::new(),
             residual: search.target.clone(),
         };
@@ -322,12 +325,12 @@ impl OrthonormalBasis {
         let (required, others): (Vec<usize>, Vec<usize>) =
             support.iter().partition(|j| search.required.contains(j));
         for j in required.into_iter().chain(others) {
-            if let Some(direction) = basis.direction(search, j) {
-                project_off(&mut basis.residual, &direction);
-                basis.directions.push(direction);
+            if let Some(direction) = projection.direction(search, j) {
+                project_off(&mut projection.residual, &direction);
+                projection.directions.push(direction);
             }
         }
-        basis
+        projection
     }
 
     /// The direction that a column adds; `None` if it adds none.

@@ -4,21 +4,24 @@ use super::*;
 use sidc_progress::Unwatched;
 use sidc_random::Numbers;
 
-#[test]
-fn planted_supports_are_found_in_noise() {
-    let (rows, count) = (120, 40);
+/// Random columns, and a target of the columns 7 and 19 with noise.
+fn planted(rows: usize, count: usize) -> (Vec<f64>, Vec<f64>) {
     let columns = Numbers(3).many(rows * count);
     let error = Numbers(5).many(rows);
     let column = |j: usize| &columns[j * rows..(j + 1) * rows];
-    let target: Vec<f64> = (0..rows)
-        .map(|i| 2.0 * column(7)[i] - 0.5 * column(19)[i] + 0.1 * error[i])
-        .collect();
+    let target = (0..rows).map(|i| 2.0 * column(7)[i] - 0.5 * column(19)[i] + 0.1 * error[i]);
+    let target = target.collect();
+    (columns, target)
+}
+
+#[test]
+fn planted_supports_are_found_in_noise() {
+    let (rows, count) = (120, 40);
+    let (columns, target) = planted(rows, count);
     let criterion = InformationCriterion::new(rows, 1.0, count, 0.0);
-    let best = &BestSubsetSearch::new(rows, columns.clone(), target, 0.0, criterion).run(
-        10,
-        &[],
-        &mut Unwatched,
-    )[0];
+    let best =
+        &BestSubsetSearch::new(rows, columns, target, 0.0, criterion).run(10, &[], &mut Unwatched)
+            [0];
     assert_eq!(best.support, vec![7, 19]);
 }
 
@@ -42,12 +45,7 @@ fn below_the_floor_a_better_fit_is_no_evidence() {
 #[test]
 fn what_is_required_is_in_every_subset() {
     let (rows, count) = (120, 30);
-    let columns = Numbers(3).many(rows * count);
-    let error = Numbers(5).many(rows);
-    let column = |j: usize| &columns[j * rows..(j + 1) * rows];
-    let target: Vec<f64> = (0..rows)
-        .map(|i| 2.0 * column(7)[i] - 0.5 * column(19)[i] + 0.1 * error[i])
-        .collect();
+    let (columns, target) = planted(rows, count);
     let criterion = InformationCriterion::new(rows, 1.0, count, 0.0);
     let search =
         BestSubsetSearch::new(rows, columns.clone(), target, 0.0, criterion).requiring(vec![4, 19]);
