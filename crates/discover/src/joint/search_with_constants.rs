@@ -16,7 +16,7 @@ use crate::joint::unknown_constants::Constants;
 use crate::joint::weak_start::weak_start;
 use crate::options::Options;
 use crate::selection::thresholds::TERM_SELECTION;
-use crate::trajectory::{CONSTANTS, FittedConstants, HIDDEN, Problem, StartingSupport};
+use crate::trajectory::{CONSTANTS, FittedConstants, Found, HIDDEN, Problem, StartingSupport};
 use sidc_data::Dataset;
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
@@ -59,7 +59,10 @@ pub(crate) fn search_with_constants<'a>(
     all.sort_by(|a, b| a.value().total_cmp(&b.value()));
     let mut all = all.into_iter();
     let mut best = all.next()?;
-    best.twins = all
+    let others: Vec<Searched> = all.collect();
+    best.add_rivals_of(&others);
+    best.twins = others
+        .into_iter()
         .filter(|other| other.is_twin_of(&best))
         .map(|other| other.constants)
         .collect();
@@ -101,6 +104,21 @@ impl Searched<'_> {
             && own.best.support() == other.best.support()
             && own.best.value < other.best.value + tie
             && !self.constants.is_at(&best.constants)
+    }
+
+    /// Adds what searches from other starts found to the rivals.
+    fn add_rivals_of(&mut self, others: &[Searched]) {
+        let SearchOutcome::Answer(own) = &mut self.outcome else {
+            return;
+        };
+        let found = &mut own.fit.found;
+        for other in others {
+            if let SearchOutcome::Answer(answer) = &other.outcome {
+                let best = &answer.fit.found.best;
+                add_rival(found, best.support().to_vec(), best.value);
+            }
+        }
+        sort_rivals(found);
     }
 
     fn value(&self) -> f64 {
@@ -290,15 +308,24 @@ fn improves(law: &FittedConstants, answer: &ConstrainedAnswer, constants: &Const
 fn add_rivals(answer: &mut ConstrainedAnswer, laws: &[FittedConstants]) {
     let found = &mut answer.fit.found;
     for law in laws {
-        let support: Vec<usize> = law.terms.iter().map(|t| t.0).collect();
-        if support == found.best.support() {
-            continue;
-        }
-        match found.rivals.iter_mut().find(|(s, _)| *s == support) {
-            Some(known) => known.1 = known.1.min(law.value),
-            None => found.rivals.push((support, law.value)),
-        }
+        add_rival(found, law.terms.iter().map(|t| t.0).collect(), law.value);
     }
+    sort_rivals(found);
+}
+
+/// Adds a law to the rivals, or its value to the same terms there.
+fn add_rival(found: &mut Found, support: Vec<usize>, value: f64) {
+    if support == found.best.support() {
+        return;
+    }
+    match found.rivals.iter_mut().find(|(s, _)| *s == support) {
+        Some(known) => known.1 = known.1.min(value),
+        None => found.rivals.push((support, value)),
+    }
+}
+
+/// The answer first, then the best first.
+fn sort_rivals(found: &mut Found) {
     let own = found.best.support().to_vec();
     let rank = |r: &(Vec<usize>, f64)| (r.0 != own, r.1);
     found.rivals.sort_by(|a, b| {

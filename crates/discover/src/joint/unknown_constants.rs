@@ -8,7 +8,7 @@ use std::borrow::Cow;
 
 use crate::doubts::constant_rules;
 use crate::joint::named_correlations::named_correlations;
-use crate::joint::weak_start::weak_guesses;
+use crate::joint::weak_start::{value_of_weak_guess, weak_guesses};
 use crate::needed_signals::needed_signals;
 use crate::options::Options;
 use crate::regression::thresholds::WEAK_FORM;
@@ -68,7 +68,10 @@ pub(crate) fn constant_starts(
     let minima = unknown_constants::minima(of, (&rows, wanted), options, watcher);
     let all = unknown_constants::sought(model, &rows);
     let points = unknown_constants::points(of, &rows, options);
-    let minima = likeliest(of, (dataset, problem), (&all, minima), options, watcher);
+    let data = (dataset, problem);
+    let mut starts = scanned(of, data, (&all, &points), options, watcher);
+    starts.extend(minima);
+    let minima = likeliest(of, data, (&all, starts), options, watcher);
     let starts = minima.iter();
     starts.map(|v| Constants::new(&all, v, &points)).collect()
 }
@@ -96,8 +99,67 @@ fn minima_with_hidden_states(
     (all, minima)
 }
 
-/// The likeliest of many points, with its constants refined: the weak form gives the terms at each point. The first point if the weak form
-/// finds no terms anywhere.
+/// The points at which the weak form explains most with few terms, no two alike. Only for large libraries: among few terms rows of derivatives
+/// find the constants.
+fn scanned(
+    of: (&Model, &[Option<Library>]),
+    (dataset, problem): (&Dataset, &Problem),
+    (all, points): (&[Sought], &[Vec<f64>]),
+    options: &Options,
+    watcher: &mut EquationObserver,
+) -> Vec<Vec<f64>> {
+    if !is_large(problem) {
+        return Vec::new();
+    }
+    let judged = |values: Vec<f64>, watcher: &mut EquationObserver| {
+        if !watcher.go_on() {
+            return (f64::INFINITY, values);
+        }
+        let constants = Constants::new(all, &values, &[]);
+        let (at, acting) = (constants.problem(problem), constants.dataset(dataset));
+        let value = value_of_weak_guess(of, &acting, &at, options, watcher);
+        (value, values)
+    };
+    let ranked = at_each(points.to_vec(), problem, options, watcher, judged);
+    best_distinct(ranked, CONSTANTS.scanned)
+}
+
+/// Whether the laws have so many candidates that values of the constants are scanned, and several of them searched.
+fn is_large(problem: &Problem) -> bool {
+    problem.system.columns.len() >= CONSTANTS.scanned_columns
+}
+
+/// The points of smallest value, no two alike.
+fn best_distinct(mut ranked: Vec<(f64, Vec<f64>)>, most: usize) -> Vec<Vec<f64>> {
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut best: Vec<Vec<f64>> = Vec::new();
+    for (_, values) in ranked {
+        let known = best.iter().any(|b| unknown_constants::alike(b, &values));
+        if best.len() < most && !known {
+            best.push(values);
+        }
+    }
+    best
+}
+
+/// What `work` makes of each point, at as many at once as fit into memory.
+fn at_each<A: Send>(
+    points: Vec<Vec<f64>>,
+    problem: &Problem,
+    options: &Options,
+    watcher: &mut EquationObserver,
+    work: impl Fn(Vec<f64>, &mut EquationObserver) -> A + Sync,
+) -> Vec<A> {
+    let entries = (problem.system.columns.len() * problem.measurements()) as u128;
+    let size = entries * u128::from(WEAK_FORM.bytes_per_entry);
+    let at_once = at_once(vec![size; points.len()], options.memory);
+    let points = points.into_iter().map(|values| (0, values)).collect();
+    let done = map_equations(at_once, points, watcher, work).into_iter();
+    done.map(|(_, done)| done).collect()
+}
+
+/// The likeliest of many points, with their constants refined: the weak form gives the terms at each point. One point, or a few for a large
+/// library, where the fit of a guess may not be the winner of the search; the first if the weak form finds no terms anywhere.
 fn likeliest(
     (model, libraries): (&Model, &[Option<Library>]),
     (dataset, problem): (&Dataset, &Problem),
@@ -124,20 +186,12 @@ fn likeliest(
         let new = |f: &FittedConstants| (f.value, f.constants.iter().map(|c| c.value).collect());
         fitted.as_ref().map_or((f64::INFINITY, values), new)
     };
-    let entries = (problem.system.columns.len() * problem.measurements()) as u128;
-    let size = entries * u128::from(WEAK_FORM.bytes_per_entry);
-    let at_once = at_once(vec![size; points.len()], options.memory);
-    let points = points.into_iter().map(|values| (0, values)).collect();
-    let mut ranked: Vec<(f64, Vec<f64>)> = Vec::new();
-    for (_, entry) in map_equations(at_once, points, watcher, fitted_from) {
-        let near = |(_, v): &(f64, Vec<f64>)| unknown_constants::alike(v, &entry.1);
-        if !ranked.iter().any(near) {
-            ranked.push(entry);
-        }
-    }
-    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let likeliest = ranked.into_iter().take(1);
-    likeliest.map(|(_, values)| values).collect()
+    let ranked = at_each(points, problem, options, watcher, fitted_from);
+    let most = match is_large(problem) {
+        true => CONSTANTS.searched,
+        false => 1,
+    };
+    best_distinct(ranked, most)
 }
 
 impl Constants {

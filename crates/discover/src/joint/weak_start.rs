@@ -6,6 +6,7 @@
 use crate::known_terms::fixed_terms;
 use crate::options::{Method, Options};
 use crate::regression::task::Task;
+use crate::regression::thresholds::WEAK_FORM;
 use crate::regression::weak_regression::{SlotTerms, WeakSystem};
 use crate::selection::thresholds::TERM_SELECTION;
 use crate::trajectory::{Law, Problem, StartingSupport};
@@ -45,14 +46,29 @@ pub(crate) fn weak_guesses(
     watcher: &mut EquationObserver,
 ) -> Vec<StartingSupport> {
     let guesses = from_weak_form(of, (dataset, problem), options, |weak| {
-        weak.guesses(watcher)
+        weak.guesses(&WEAK_FORM.penalty_factors, watcher)
     });
     let guesses = guesses.unwrap_or_default().into_iter();
     let mut guesses: Vec<StartingSupport> = guesses
-        .filter_map(|guess| all_columns(problem, &guess))
+        .filter_map(|guess| all_columns(problem, &guess.terms))
         .collect();
     guesses.dedup_by(|a, b| a.iter().map(|t| t.0).eq(b.iter().map(|t| t.0)));
     guesses
+}
+
+/// The criterion of the first of these guesses, by which values of constants can be compared; infinite where there is none.
+pub(crate) fn value_of_weak_guess(
+    of: (&Model, &[Option<Library>]),
+    dataset: &Dataset,
+    problem: &Problem,
+    options: &Options,
+    watcher: &mut EquationObserver,
+) -> f64 {
+    let guesses = from_weak_form(of, (dataset, problem), options, |weak| {
+        weak.guesses(&WEAK_FORM.penalty_factors[..1], watcher)
+    });
+    let first = guesses.and_then(|all| all.into_iter().next());
+    first.map_or(f64::INFINITY, |guess| guess.value)
 }
 
 /// What `work` makes of the weak form of all laws that are searched.

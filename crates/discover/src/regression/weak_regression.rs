@@ -31,6 +31,15 @@ use sidc_system::discovery::{Discovery, Equation, Failed};
 /// Slots of a library with their coefficients.
 pub(crate) type SlotTerms = Vec<(usize, f64)>;
 
+/// What the weak form says before it iterates.
+#[derive(Clone, Default)]
+pub(crate) struct WeakGuess {
+    /// Squared residuals plus the cost of the terms.
+    pub value: f64,
+    /// Terms of each equation that has a weak form, with its place.
+    pub terms: Vec<(usize, SlotTerms)>,
+}
+
 /// Terms selected in one iteration.
 #[derive(Clone)]
 struct WeakFit {
@@ -116,16 +125,19 @@ impl<'a> WeakSystem<'a> {
         self.members.into_iter().filter_map(terms).collect()
     }
 
-    /// First guesses of all equations, without iteration, one for each factor on the cost of a term. Costs a tenth of [`WeakSystem::terms`].
-    pub fn guesses(self, watcher: &mut EquationObserver) -> Vec<Vec<(usize, SlotTerms)>> {
+    /// First guesses of all equations, without iteration, one for each factor on the cost of a term; with the criterion of all equations, which
+    /// can be compared between values of constants, since no guess whitens the rows. Costs a tenth of [`WeakSystem::terms`].
+    pub fn guesses(self, factors: &[f64], watcher: &mut EquationObserver) -> Vec<WeakGuess> {
         let [slack, ..] = WEAK_FORM.initial_slacks;
-        let mut guesses = vec![Vec::new(); WEAK_FORM.penalty_factors.len()];
+        let mut guesses = vec![WeakGuess::default(); factors.len()];
         for m in &self.members {
             let Some(whitened) = m.weak.whitened(&[], slack) else {
                 continue;
             };
-            for (guess, factor) in guesses.iter_mut().zip(WEAK_FORM.penalty_factors) {
-                guess.push((m.place, m.task.choose(&whitened, factor, watcher).pairs));
+            for (guess, factor) in guesses.iter_mut().zip(factors) {
+                let found = m.task.choose(&whitened, *factor, watcher);
+                guess.value += found.value;
+                guess.terms.push((m.place, found.pairs));
             }
         }
         guesses

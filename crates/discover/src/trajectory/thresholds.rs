@@ -369,6 +369,12 @@ family! {
     pub(crate) CONSTANTS: Constants {
         /// Points whose likelihood is looked at, with terms that the weak form guesses, which costs a thousandth of a search.
         ranked: usize = 40, unit "points", source "every start and every end on rows of differentiated noise, which may put the right one anywhere";
+        /// Candidates of all laws from which values of the constants are also scanned by the weak form, and several of them searched.
+        scanned_columns: usize = 30, unit "columns", source "crates/studies/families/table.py: at 1 % of noise rows of derivatives miss none of 80 constants among 6 or 9 candidates, with --large (90 or 210) 7 of 32";
+        /// Values that such a scan adds to the points.
+        scanned: usize = 8, unit "points", source "set by hand: a fifth of `ranked`";
+        /// Values from which terms are searched in a large library.
+        searched: usize = 3, unit "points", source "crates/studies/families/table.py --large: with 3, at 1 % noise, the search misses 2 of 32 laws that its criterion prefers, with 1 and no scan 7; the time is three times as long";
         /// Gauss–Newton steps.
         steps: usize = 12, unit "steps", source "the search on rows starts them within their basin; each step then gains a digit";
         /// Halvings of a step that makes the likelihood smaller.
@@ -377,7 +383,7 @@ family! {
         settled: f64 = 0.01, unit "standard errors", source "the likelihood changes by 1e-4";
         /// Columns of the likelihood on which constants are profiled, terms at many values with their slopes.
         profiled_columns: usize = 250, unit "columns", source "set by hand: 125 values of one term with its slope";
-        /// Further terms with each of which an answer is refitted.
+        /// Further terms with each of which an answer is refitted, and exchanges of one term for another.
         added_terms: usize = 3, unit "terms", source "set by hand: those of the largest predicted gain";
         /// Laws of the profile that are fitted.
         profiled_laws: usize = 6, unit "laws", source "set by hand: each takes some ten fits";

@@ -16,7 +16,7 @@ use crate::trajectory::likelihood::Fit;
 use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::thresholds::{CONSTANTS, SEARCH};
 use sidc_progress::Observer;
-use sidc_solve::threads;
+use sidc_solve::{SingleChange, threads};
 
 /// What a search found.
 #[derive(Clone, Copy)]
@@ -53,7 +53,7 @@ pub fn laws_with_constants(
     match own {
         Some(own) if answer.explained => {
             laws.extend(refits.without_each(own, SEARCH.max_pruned_loss, observer));
-            laws.extend(refits.longer(constants, observer));
+            laws.extend(refits.changed(constants, observer));
         }
         own => laws.extend(own),
     }
@@ -147,8 +147,9 @@ impl Refits<'_> {
         fit_constants_at(&at, point, constants, self.inefficiency, observer)
     }
 
-    /// The answer with one further term each: those that are predicted to gain most while the constants are free.
-    fn longer(
+    /// The answer with one further term each, and with one term in place of another: those that are predicted to describe the readings best
+    /// while the constants are free.
+    fn changed(
         &self,
         constants: &[SoughtConstant],
         observer: &mut dyn Observer,
@@ -161,16 +162,35 @@ impl Refits<'_> {
         let Ok(form) = extended.problem.quadratic_form(&point, observer) else {
             return Vec::new();
         };
-        let entering = form.single_changes(&point.support, 0.0, usize::MAX);
-        let entering = entering.iter().filter(|m| m.leaves.is_none());
-        let columns = entering.filter_map(|m| extended.origin[m.enters?]);
-        let longer = columns.take(CONSTANTS.added_terms).filter_map(|column| {
-            let mut terms = self.answer.point.active();
-            terms.push((column, 0.0));
+        let terms = |change: &SingleChange| {
+            let entering = extended.origin[change.enters?]?;
+            let leaving = match change.leaves {
+                // The column of a constant stays.
+                Some(j) => Some(extended.origin[j]?),
+                None => None,
+            };
+            let kept = self.answer.point.active().into_iter();
+            let kept = kept.filter(|(j, _)| Some(*j) != leaving);
+            let mut terms: Vec<(usize, f64)> = kept.chain([(entering, 0.0)]).collect();
             terms.sort_unstable_by_key(|(j, _)| *j);
+            Some(terms)
+        };
+        let changes = form.single_changes(&point.support, 0.0, usize::MAX);
+        let near = changes
+            .iter()
+            .filter(|c| c.change < CONSTANTS.profiled_loss);
+        let (exchanges, additions): (Vec<&SingleChange>, Vec<&SingleChange>) =
+            near.partition(|c| c.leaves.is_some());
+        let best = |all: Vec<&SingleChange>| {
+            let all = all.into_iter().filter_map(terms);
+            all.take(CONSTANTS.added_terms).collect::<Vec<_>>()
+        };
+        let changed = [best(additions), best(exchanges)].concat();
+        let fitted = |terms: Vec<(usize, f64)>, observer: &mut dyn Observer| {
             self.fitted(&terms, constants, observer)
-        });
-        longer.collect()
+        };
+        let fitted = threads::map_watched(threads::available(), changed, observer, fitted);
+        fitted.into_iter().flatten().collect()
     }
 
     /// The law, and without each of the terms whose removal is predicted to cost less than `loss`. The best of these is pruned if it is better
