@@ -129,8 +129,9 @@ fn is_large(problem: &Problem) -> bool {
     problem.system.columns.len() >= CONSTANTS.scanned_columns
 }
 
-/// The points of smallest value, no two alike.
+/// The points of smallest value, no two alike; none whose value is infinite.
 fn best_distinct(mut ranked: Vec<(f64, Vec<f64>)>, most: usize) -> Vec<Vec<f64>> {
+    ranked.retain(|(value, _)| value.is_finite());
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut best: Vec<Vec<f64>> = Vec::new();
     for (_, values) in ranked {
@@ -186,12 +187,17 @@ fn likeliest(
         let new = |f: &FittedConstants| (f.value, f.constants.iter().map(|c| c.value).collect());
         fitted.as_ref().map_or((f64::INFINITY, values), new)
     };
+    let first: Vec<Vec<f64>> = points.iter().take(1).cloned().collect();
     let ranked = at_each(points, problem, options, watcher, fitted_from);
     let most = match is_large(problem) {
         true => CONSTANTS.searched,
         false => 1,
     };
-    best_distinct(ranked, most)
+    let best = best_distinct(ranked, most);
+    match best.is_empty() {
+        true => first,
+        false => best,
+    }
 }
 
 impl Constants {
