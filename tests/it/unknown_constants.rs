@@ -430,3 +430,22 @@ fn an_exchange_that_another_constant_makes_up_for_is_a_tie() {
     assert!(names.contains(&"tanh(x/k)"), "{}", run.stdout);
     assert!(run.stdout.contains("doubt[tie]"), "{}", run.stdout);
 }
+
+/// x is small beside the noise, and another k makes up for most of it: an answer without x, which is more than two standard errors of x away, is
+/// doubted.
+#[test]
+fn a_term_left_out_that_another_constant_makes_up_for_is_a_tie() {
+    let mut random = Random::new(7);
+    let feed = |t: f64| 0.6 * push(t);
+    let law = |t: f64, x: &[f64; 1]| [feed(t) - 0.714 * x[0] - 1.725 * (x[0] / 0.41).tanh()];
+    let rows = table("x,u", 800, [1.0], &law, |t, x| {
+        vec![x[0] + 0.011 * random.normal(), feed(t)]
+    });
+    let model = "unknown k in 0.02..50\nstate x\ninput u : linear\n\
+                 dx ~ <1, x, x^2, x^3, u, tanh(x/k)>\n";
+    let (run, found) = identify(model, &rows, &[]);
+    let names: Vec<&str> = terms(&found).iter().map(|t| t.0).collect();
+    assert_eq!(names, ["u", "tanh(x/k)"], "{}", run.stdout);
+    assert!(run.stdout.contains("doubt[tie]"), "{}", run.stdout);
+    assert!(run.stdout.contains("{x, u, tanh(x/k)}"), "{}", run.stdout);
+}

@@ -9,7 +9,7 @@ use crate::joint::delay_outlier_search::{search_from, search_system};
 use crate::joint::joint_fit::{JointFit, unexplained};
 use crate::joint::pooled_search::search_runs;
 use crate::options::Options;
-use crate::trajectory::{CoefficientConstraints, Problem, RunNotFollowed, StartingSupport};
+use crate::trajectory::{CoefficientConstraints, Problem, Rival, RunNotFollowed, StartingSupport};
 use sidc_lang::model::Model;
 use sidc_progress::{EquationObserver, Observer};
 
@@ -149,7 +149,7 @@ fn drop_broken_rivals(fit: &mut JointFit, observer: &mut dyn Observer) {
     };
     let own = best.support().to_vec();
     let constraints = &fit.problem.system.constraints;
-    fit.found.rivals.retain(|(support, _)| {
+    fit.found.rivals.retain(|Rival { support, .. }| {
         *support == own || constraints.hold(support, &form.least_squares(support).coefficients)
     });
 }

@@ -11,7 +11,7 @@ use crate::joint::delay_outlier_search::search_system;
 use crate::joint::joint_fit::{JointFit, unexplained};
 use crate::options::Options;
 use crate::trajectory;
-use crate::trajectory::{Found, POOLING, Problem, RunNotFollowed, StartingSupport};
+use crate::trajectory::{Found, POOLING, Problem, Rival, RunNotFollowed, StartingSupport};
 use sidc_lang::model::Model;
 use sidc_progress::EquationObserver;
 
@@ -146,7 +146,7 @@ impl RunSearch<'_, '_, '_> {
             let value = best.as_ref().map_or(f64::INFINITY, |b| b.found.best.value);
             if fit.value < value && !unexplained(&problem, &fit) {
                 let found = Found {
-                    rivals: vec![(fit.support().to_vec(), fit.value)],
+                    rivals: vec![Rival::new(fit.support().to_vec(), fit.value)],
                     tried: own.found.tried,
                     penalty: own.found.penalty,
                     best: fit,

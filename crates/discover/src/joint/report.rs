@@ -8,7 +8,7 @@ use crate::known_terms::fixed;
 use crate::regression::task::{named, simpler};
 use crate::selection::thresholds::TERM_SELECTION;
 use crate::trajectory::{
-    Channel, DelayedInputs, Disturbance, File, Found, InputLag, Law, Problem, SensorOffset,
+    Channel, DelayedInputs, Disturbance, File, Found, InputLag, Law, Problem, Rival, SensorOffset,
 };
 use crate::uncertainty::term_identity::same_laws;
 use sidc_lang::model::{Between, Model, VarKind};
@@ -254,32 +254,37 @@ impl Report<'_> {
             all
         };
         let mut seen: Vec<(Vec<usize>, f64)> = Vec::new();
-        let price = self.found.penalty / self.found.inefficiency;
-        let one_more = match self.model.unknowns.is_empty() {
-            true => JOINT.larger_tie,
-            false => price - JOINT.omitted_gain,
-        };
-        for (support, value) in &self.found.rivals {
-            let larger = support.len() > best.support().len();
-            let within = match larger {
-                true if support.len() == best.support().len() + 1 => one_more,
-                true => JOINT.larger_tie,
-                false => TERM_SELECTION.tie,
-            };
-            // A larger support is another law beside unknown constants, since the constants then take other values.
-            let moves_constants = larger && !self.model.unknowns.is_empty();
-            let near = *value < best.value + within * self.found.inefficiency;
+        for other in &self.found.rivals {
+            let Rival {
+                ref support, value, ..
+            } = *other;
+            let more = value - best.value;
+            let near = more < self.tie(other) * self.found.inefficiency;
             let rival = part(support);
             // Rivals come best first, so the first that shows a support of this law is its best.
             let new = rival != own && seen.iter().all(|(s, _)| *s != rival);
-            let other = || moves_constants || !same_laws(&terms(&own), &terms(&rival));
-            if near && new && other() {
-                seen.push((rival, value - best.value));
+            // Terms that move a constant are another law, even if they have the same values as those of the answer.
+            let differs = || other.moves_constants || !same_laws(&terms(&own), &terms(&rival));
+            if near && new && differs() {
+                seen.push((rival, more));
             }
         }
         seen.sort_by(|a, b| a.0.len().cmp(&b.0.len()).then(a.1.total_cmp(&b.1)));
         let name = |s: &[usize]| named(distinct(s).into_iter(), names);
         seen.iter().map(|(s, more)| (name(s), *more)).collect()
+    }
+
+    /// Difference of the criterion below which a rival is a tie, for each independent reading.
+    fn tie(&self, rival: &Rival) -> f64 {
+        let size = self.found.best.support().len();
+        match rival.support.len() {
+            n if n <= size => TERM_SELECTION.tie,
+            n if n == size + 1 && rival.moves_constants => {
+                let cost = self.found.extra_cost(self.problem, &rival.support);
+                cost / self.found.inefficiency - JOINT.omitted_gain
+            }
+            _ => JOINT.larger_tie,
+        }
     }
 
     /// The term whose removal costs least, with that cost. `None` where even that is many times the price of a term: fits so
@@ -291,8 +296,8 @@ impl Report<'_> {
             let group = group.unwrap_or_else(|| vec![j]);
             let kept = best.support().iter().copied();
             let rest: Vec<usize> = kept.filter(|i| !group.contains(i)).collect();
-            let rival = self.found.rivals.iter().find(|(s, _)| *s == rest)?;
-            Some(rival.1 - best.value + self.found.penalty)
+            let rival = self.found.rivals.iter().find(|r| r.support == rest)?;
+            Some(rival.value - best.value + self.found.penalty)
         };
         let own = best.support().iter().filter(|j| law.columns.contains(j));
         own.filter_map(|j| Some((*j, without(*j)?)))

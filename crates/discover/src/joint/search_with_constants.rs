@@ -16,7 +16,9 @@ use crate::joint::unknown_constants::Constants;
 use crate::joint::weak_start::weak_start;
 use crate::options::Options;
 use crate::selection::thresholds::TERM_SELECTION;
-use crate::trajectory::{CONSTANTS, FittedConstants, Found, HIDDEN, Problem, StartingSupport};
+use crate::trajectory::{
+    CONSTANTS, FittedConstants, Found, HIDDEN, Problem, Rival, StartingSupport,
+};
 use sidc_data::Dataset;
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
@@ -115,7 +117,11 @@ impl Searched<'_> {
         for other in others {
             if let SearchOutcome::Answer(answer) = &other.outcome {
                 let best = &answer.fit.found.best;
-                add_rival(found, best.support().to_vec(), best.value);
+                let rival = Rival {
+                    moves_constants: !other.constants.is_at(&self.constants),
+                    ..Rival::new(best.support().to_vec(), best.value)
+                };
+                add_rival(found, rival);
             }
         }
         sort_rivals(found);
@@ -307,27 +313,35 @@ fn improves(law: &FittedConstants, answer: &ConstrainedAnswer, constants: &Const
 /// Adds laws with their own likeliest constants to the rivals, which were fitted at the constants of the answer.
 fn add_rivals(answer: &mut ConstrainedAnswer, laws: &[FittedConstants]) {
     let found = &mut answer.fit.found;
+    let own = laws.iter().find(|l| l.support() == found.best.support());
     for law in laws {
-        add_rival(found, law.terms.iter().map(|t| t.0).collect(), law.value);
+        let rival = Rival {
+            support: law.support(),
+            value: law.value,
+            moves_constants: own.is_some_and(|own| own.excludes(&law.constants)),
+        };
+        add_rival(found, rival);
     }
     sort_rivals(found);
 }
 
-/// Adds a law to the rivals, or its value to the same terms there.
-fn add_rival(found: &mut Found, support: Vec<usize>, value: f64) {
-    if support == found.best.support() {
+/// Adds a law to the rivals, in place of the same terms with a larger criterion.
+fn add_rival(found: &mut Found, rival: Rival) {
+    if rival.support == found.best.support() {
         return;
     }
-    match found.rivals.iter_mut().find(|(s, _)| *s == support) {
-        Some(known) => known.1 = known.1.min(value),
-        None => found.rivals.push((support, value)),
+    let mut known = found.rivals.iter_mut();
+    match known.find(|r| r.support == rival.support) {
+        Some(known) if known.value <= rival.value => {}
+        Some(known) => *known = rival,
+        None => found.rivals.push(rival),
     }
 }
 
 /// The answer first, then the best first.
 fn sort_rivals(found: &mut Found) {
     let own = found.best.support().to_vec();
-    let rank = |r: &(Vec<usize>, f64)| (r.0 != own, r.1);
+    let rank = |r: &Rival| (r.support != own, r.value);
     found.rivals.sort_by(|a, b| {
         let (a, b) = (rank(a), rank(b));
         a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))

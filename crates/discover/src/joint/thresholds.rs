@@ -15,8 +15,8 @@ family! {
         weakest_reported: f64 = 10.0, unit "prices of a term", source "set by hand";
         /// Difference below which a support with more terms is a tie: simplicity decides.
         larger_tie: f64 = 2.0, unit "of the criterion", source "Kass & Raftery 1995: a difference below 2 is not worth more than a bare mention";
-        /// Fall of χ², beside unknown constants, from which a support with one term more is a tie: the term left out may have moved a constant.
-        omitted_gain: f64 = 4.5, unit "χ²", source "two standard errors of the term, and the 0.5 that written terms are cheaper; 18 right answers to random laws with 5 % noise: 3.5 at most";
+        /// Fall of χ² from which a support with one term more that takes an unknown constant out of its interval is a tie.
+        omitted_gain: f64 = 3.2, unit "χ²", source "two standard errors of the term: 4, of which the floor under the noise (half of it) leaves 0.8";
         /// Autocorrelation up to which innovations that are not white are better than residuals without disturbances.
         far_whiter: f64 = 0.25, unit "of the autocorrelation before", source "the saturating circuit of `crates/studies/rigs` (0.11) then has its constants to 0.6 %, not to 17 %; the other sets stay as they are";
         /// How far a delay is looked for anew when inputs run along cubics.

@@ -14,7 +14,7 @@ use crate::options::Options;
 use crate::regression::thresholds::WEAK_FORM;
 use crate::regression::uncoupled::{at_once, map_equations};
 use crate::trajectory::{
-    Answer, CONSTANTS, FittedConstants, Found, HIDDEN, Parameter, Problem, SoughtConstant,
+    Answer, CONSTANTS, FittedConstants, Found, HIDDEN, Parameter, Problem, Rival, SoughtConstant,
     constants_by_runs, fit_constants, fit_constants_by_levels, fit_constants_from, fit_proposed,
     laws_with_constants, likely_constants, unidentifiable_directions, with_constant_values,
     with_started_states,
@@ -416,13 +416,13 @@ impl Constants {
             self.sought.iter().any(|c| term.mentions(c.signal))
         };
         let mut rivals = found.rivals.iter();
-        let nearest = rivals.find(|(support, _)| support.iter().any(holds));
+        let nearest = rivals.find(|r| r.support.iter().any(holds));
         for law in system
             .laws
             .iter()
             .filter(|l| l.columns.clone().any(|j| holds(&j)))
         {
-            let terms = nearest.map(|(support, value)| {
+            let terms = nearest.map(|Rival { support, value, .. }| {
                 let own = support.iter().filter(|j| law.columns.contains(j));
                 let language = Language(&*discovery);
                 let names = own.map(|j| language.term(problem.term(*j))).collect();

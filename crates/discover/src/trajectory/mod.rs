@@ -78,7 +78,7 @@ pub use residuals::{
 };
 pub(crate) use search::minimum;
 pub use search::{
-    Answer, BetterLaws, FittedConstants, Found, LawChange, Parameter, SearchObserver,
+    Answer, BetterLaws, FittedConstants, Found, LawChange, Parameter, Rival, SearchObserver,
     SoughtConstant, StartingSupport, error_correlations, fit_constants, fit_constants_by_levels,
     fit_constants_from, laws_with_constants, search, search_beyond_libraries, search_disturbed,
     search_from_fit, unidentifiable_directions, value_by_innovations, with_constant_values,

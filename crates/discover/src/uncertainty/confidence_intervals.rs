@@ -2,10 +2,8 @@
 //!
 //! In: an equation with standard errors, the number of independent readings. Out: an interval for each coefficient.
 
-use sidc_system::discovery::Equation;
+use sidc_system::discovery::{Equation, NORMAL_97_5};
 
-/// The 97.5 % quantile of the standard normal distribution.
-const NORMAL_QUANTILE: f64 = 1.959_963_984_540_054;
 /// Degrees of freedom below which the expansion is off by more than a hundredth.
 const MIN_DEGREES_OF_FREEDOM: f64 = 3.0;
 
@@ -26,7 +24,7 @@ pub fn confidence_intervals(equation: &mut Equation, readings: f64) {
 /// 0.2 % from ν = 4 on. Fewer than three degrees of freedom count as three.
 fn student_quantile(degrees_of_freedom: f64) -> f64 {
     let n = degrees_of_freedom.max(MIN_DEGREES_OF_FREEDOM);
-    let z = NORMAL_QUANTILE;
+    let z = NORMAL_97_5;
     let (z2, z3) = (z * z, z * z * z);
     let g1 = (z3 + z) / 4.0;
     let g2 = ((5.0 * z2 + 16.0) * z2 + 3.0) * z / 96.0;

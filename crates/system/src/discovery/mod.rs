@@ -45,5 +45,5 @@ pub use run_parameters::RunParameters;
 pub use signal_delays::SignalDelay;
 pub use sparsest_proof::SparsestProof;
 pub use thresholds::{MARKS, Marks, NEWTON, Newton};
-pub use unknown_values::UnknownValue;
+pub use unknown_values::{NORMAL_97_5, UnknownValue};
 pub use verification::{Verification, VerifiedProof, Witness};

@@ -20,8 +20,8 @@ pub struct UnknownValue {
     pub interval: Option<(f64, f64)>,
 }
 
-/// Standard errors to each side of a 95 % interval.
-const NORMAL_97_5: f64 = 1.959_963_985;
+/// The 97.5 % quantile of the standard normal distribution: standard errors to each side of a 95 % interval.
+pub const NORMAL_97_5: f64 = 1.959_963_984_540_054;
 
 impl UnknownValue {
     /// The same as that of one run.

@@ -6,7 +6,7 @@
 
 use super::level::{SearchLevel, at_minimum};
 use super::search_observer::SearchObserver;
-use super::support_search::{Found, final_criterion};
+use super::support_search::{Found, Rival, final_criterion, rivals_among};
 use crate::trajectory::likelihood::{Fit, fit, undisturbed_value};
 use crate::trajectory::model::{LinearizationPoint, Problem, ProcessNoise};
 use crate::trajectory::thresholds::{DISTURBANCES, SEARCH};
@@ -90,7 +90,7 @@ fn on_whole(
     };
     let criterion = final_criterion(&whole);
     let best = fit(&whole, point, &criterion, f64::INFINITY, observer)?;
-    let rivals = vec![(best.support().to_vec(), best.value)];
+    let rivals = vec![Rival::new(best.support().to_vec(), best.value)];
     let found = Found {
         best,
         rivals,
@@ -162,12 +162,9 @@ fn search_from(
         }
     }
     let tried = level.tried.len();
-    let fitted = level.tried.into_iter().filter(|(_, v)| v.is_finite());
-    let mut rivals: Vec<(Vec<usize>, f64)> = fitted.collect();
-    rivals.sort_by(|a, b| a.1.total_cmp(&b.1));
     Some(Found {
         best: level.best.into_iter().next()?,
-        rivals,
+        rivals: rivals_among(level.tried),
         tried,
         penalty,
         inefficiency: 1.0,

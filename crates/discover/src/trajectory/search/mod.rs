@@ -26,7 +26,7 @@ pub use error_correlations::error_correlations;
 pub use omitted_terms::{BetterLaws, LawChange, search_beyond_libraries};
 pub use search_from_fit::search_from_fit;
 pub use search_observer::SearchObserver;
-pub use support_search::{Found, StartingSupport, search, value_by_innovations};
+pub use support_search::{Found, Rival, StartingSupport, search, value_by_innovations};
 pub(crate) use support_search::{final_criterion, initial_fit, last_criterion};
 pub use unidentifiable_directions::{Parameter, unidentifiable_directions};
 pub use unknown_constants::{

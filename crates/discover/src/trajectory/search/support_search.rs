@@ -12,13 +12,24 @@ use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::residuals::statistical_inefficiency;
 use crate::trajectory::thresholds::SEARCH;
 use sidc_progress::Observer;
+use std::collections::BTreeMap;
+
+/// A support and its fit.
+#[derive(Clone, Debug)]
+pub struct Rival {
+    pub support: Vec<usize>,
+    /// Its criterion.
+    pub value: f64,
+    /// Whether an unknown constant takes a value outside its 95 % interval in the answer.
+    pub moves_constants: bool,
+}
 
 /// The result of a search.
 #[derive(Clone, Debug)]
 pub struct Found {
     pub best: Fit,
     /// Every support fitted at the last level with its criterion, best first; the first is the best fit's own.
-    pub rivals: Vec<(Vec<usize>, f64)>,
+    pub rivals: Vec<Rival>,
     /// Number of fits.
     pub tried: usize,
     /// Price of a term.
@@ -79,7 +90,7 @@ pub(super) fn fit_given(
     let mut best = fit(problem, start, &criterion, f64::INFINITY, observer)?;
     set_variances(problem, &mut best, observer);
     Some(Found {
-        rivals: vec![(Vec::new(), best.value)],
+        rivals: vec![Rival::new(Vec::new(), best.value)],
         tried: 1,
         penalty: criterion.penalty,
         inefficiency: statistical_inefficiency(problem, &best),
@@ -165,6 +176,25 @@ fn search_with_inefficiency(problem: &Problem, observer: &mut dyn SearchObserver
     })
 }
 
+/// The fits that ended, best first.
+pub(super) fn rivals_among(tried: BTreeMap<Vec<usize>, f64>) -> Vec<Rival> {
+    let fitted = tried.into_iter().filter(|(_, value)| value.is_finite());
+    let mut rivals: Vec<Rival> = fitted.map(|(s, value)| Rival::new(s, value)).collect();
+    rivals.sort_by(|a, b| a.value.total_cmp(&b.value));
+    rivals
+}
+
+impl Rival {
+    /// A support fitted at the constants of the answer.
+    pub fn new(support: Vec<usize>, value: f64) -> Rival {
+        Rival {
+            support,
+            value,
+            moves_constants: false,
+        }
+    }
+}
+
 impl Found {
     /// The answer of the same criterion fitted from a point, with its variances.
     pub(crate) fn refitted(
@@ -186,6 +216,12 @@ impl Found {
     pub fn misfit(&self, problem: &Problem) -> f64 {
         let criterion = last_criterion(problem, self.inefficiency);
         self.best.value - criterion.cost(problem, self.best.support())
+    }
+
+    /// What the terms of a support cost more than those of the best fit.
+    pub fn extra_cost(&self, problem: &Problem, support: &[usize]) -> f64 {
+        let criterion = last_criterion(problem, self.inefficiency);
+        criterion.cost(problem, support) - criterion.cost(problem, self.best.support())
     }
 
     /// The criterion if every reading counts, by which answers to other noises are compared.
@@ -297,12 +333,7 @@ pub(super) fn continuation(
         }
         level.improve((last, fresh), observer);
         tried += level.tried.len();
-        let mut rivals: Vec<(Vec<usize>, f64)> = level
-            .tried
-            .into_iter()
-            .filter(|(_, v)| v.is_finite())
-            .collect();
-        rivals.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let rivals = rivals_among(level.tried);
         carried = level.best.iter().map(|f| f.point.clone()).collect();
         if let Some(best) = level.best.into_iter().next() {
             result = Some(Found {

@@ -15,6 +15,7 @@ use crate::trajectory::thresholds::{CONSTANTS, SEARCH};
 use sidc_lang::term::{Expr, Signal, Term};
 use sidc_progress::Observer;
 use sidc_solve::{LinearConstraint, Sense};
+use sidc_system::discovery::NORMAL_97_5;
 
 /// A constant with its value and the range that it is sought in.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,6 +39,20 @@ pub struct FittedConstants {
     pub terms: Vec<(usize, f64)>,
     /// Variances of these coefficients, the errors of the constants among their causes.
     pub variances: Vec<f64>,
+}
+
+impl FittedConstants {
+    /// Columns of the fit.
+    pub fn support(&self) -> Vec<usize> {
+        self.terms.iter().map(|(j, _)| *j).collect()
+    }
+
+    /// Whether a constant has a value outside its 95 % interval here.
+    pub fn excludes(&self, constants: &[SoughtConstant]) -> bool {
+        let own = self.constants.iter().zip(&self.standard_errors);
+        let mut pairs = own.zip(constants);
+        pairs.any(|((own, e), other)| (own.value - other.value).abs() > NORMAL_97_5 * e)
+    }
 }
 
 /// As [`fit_constants`], from columns and coefficients that nothing was fitted to.
