@@ -36,11 +36,12 @@ pub(crate) struct Constants {
     points: Vec<Vec<f64>>,
 }
 
-/// Starts for the search of the unknown constants of a model, the likeliest first; at least one.
+/// Starts for the search of the unknown constants of a model, the likeliest first. At least one for a whole search; a sketch with hidden
+/// states has none where every constant is likeliest at an end of its range: a lag as short as can be is no lag.
 pub(crate) fn constant_starts(
     (model, libraries): (&Model, &[Option<Library>]),
     (dataset, problem): (&Dataset, &Problem),
-    options: &Options,
+    (options, sketched): (&Options, bool),
     watcher: &mut EquationObserver,
 ) -> Vec<Constants> {
     if model.unknowns.is_empty() {
@@ -48,7 +49,10 @@ pub(crate) fn constant_starts(
     }
     let of = (model, libraries);
     if !problem.system.hidden.is_empty() {
-        let (all, minima) = minima_with_hidden_states(model, problem, watcher);
+        let (all, mut minima) = minima_with_hidden_states(model, problem, watcher);
+        if sketched {
+            minima.retain(|values| !are_at_ends(&all, values));
+        }
         let mut starts: Vec<Constants> = Vec::new();
         for values in &minima {
             let mut start = Constants::new(&all, values, &[]);
@@ -97,6 +101,15 @@ fn minima_with_hidden_states(
     let each = |values: Vec<f64>| all.iter().map(|s| values[s.place]).collect();
     let minima = minima.into_iter().map(each).collect();
     (all, minima)
+}
+
+/// Whether every constant is at an end of its range.
+fn are_at_ends(all: &[Sought], values: &[f64]) -> bool {
+    let mut all = all.iter().zip(values);
+    all.all(|(s, value)| {
+        let (from, to) = s.unknown.range_containing(*value);
+        *value <= from || *value >= to
+    })
 }
 
 /// The points at which the weak form explains most with few terms, no two alike. Only for large libraries: among few terms rows of derivatives
