@@ -4,6 +4,12 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
+use sidc::Unwatched;
+use sidc::pipeline::Program;
+use sidc_data as data;
+use sidc_data::Limits;
+use sidc_discover::{Options, SearchScope, describe_jointly, joint};
+use sidc_lang::source::Sources;
 use sidc_testing::integrate::{grid, integrate};
 use sidc_testing::pendulum_regression::Random;
 use sidc_testing::program::{Run, sidc_in};
@@ -278,6 +284,10 @@ const SLOW: f64 = 0.06;
 
 /// A state with a stiffening spring follows a stepwise command; either the command or the sensor lags.
 pub fn lagged(at_sensor: bool, seed: u64) -> String {
+    lagged_by(SLOW, at_sensor, seed)
+}
+
+fn lagged_by(lag_time: f64, at_sensor: bool, seed: u64) -> String {
     let mut random = Random::new(seed);
     let (mut state, mut level) = ([0.0, 0.0], 0.0);
     let mut text = String::from("t,x,u\n");
@@ -291,7 +301,7 @@ pub fn lagged(at_sensor: bool, seed: u64) -> String {
             let drive = if at_sensor { level } else { lag };
             let followed = if at_sensor { x } else { level };
             let law = -2.0 * x - 3.0 * x.powi(3) + 8.0 * drive;
-            [law, (followed - lag) / SLOW]
+            [law, (followed - lag) / lag_time]
         };
         state = integrate(&f, *t, t + FINE, state);
     }
@@ -324,6 +334,30 @@ fn missing(document: &Value) -> (String, Vec<String>) {
     let lines = reason["remedy"]["change"]["model"].as_array().unwrap();
     let lines = lines.iter().map(|l| l.as_str().unwrap().to_string());
     (reason["text"].as_str().unwrap().into(), lines.collect())
+}
+
+/// The time constant that a sketch finds for a lag of the input; `None` if the lag is not searched for.
+fn sketched_lag(readings: &str) -> Option<f64> {
+    let text = "state x\nstate F : hidden\ninput u : hold\nunknown tau in 0.001..10\n\
+                dF = (u - F)/tau\ndx ~ <1, x, x^2, x^3, x^4, F>\n";
+    let program = Program::compile("lag.sid", text).unwrap();
+    let sources = &mut Sources::default();
+    let table = data::read("lag.csv", readings.as_bytes(), &Limits::default(), sources).unwrap();
+    let (dataset, _) = data::bind(&program.model, &[table], &[], sources);
+    let (of, options) = ((&program.model, &program.libraries[..]), Options::default());
+    let problem = joint(of.0, of.1, &dataset, &options, &mut Unwatched).unwrap();
+    let given = (&dataset, &problem);
+    let scope = SearchScope::Sensors;
+    let (found, _) = describe_jointly(of, given, scope, &options, &mut Unwatched)?;
+    Some(found.unknowns[0].value)
+}
+
+#[test]
+fn a_lag_is_searched_for_where_some_lag_describes_the_readings_better_than_none() {
+    near(sketched_lag(&lagged(false, 8)).unwrap(), SLOW, 0.03);
+    // Where the readings follow the command at once, the likeliest lag is the shortest.
+    let prompt = lagged_by(5e-4, false, 8);
+    assert!(sketched_lag(&prompt).is_none());
 }
 
 #[test]

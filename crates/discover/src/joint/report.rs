@@ -274,7 +274,7 @@ impl Report<'_> {
         seen.iter().map(|(s, more)| (name(s), *more)).collect()
     }
 
-    /// Difference of the criterion below which a rival is a tie, for each independent reading.
+    /// Difference of the criterion below which a rival is a tie, were all readings independent.
     fn tie(&self, rival: &Rival) -> f64 {
         let size = self.found.best.support().len();
         match rival.support.len() {
