@@ -5,6 +5,7 @@
 //! Never estimates anything itself; `crate::trajectory` does.
 
 mod applicability;
+mod constant_starts;
 mod constrained_search;
 mod constraint_doubts;
 mod curved_inputs;
@@ -191,7 +192,7 @@ fn search_jointly<T>(
     let given = (dataset, problem);
     let (problem, dataset) = (delays.problem(problem), delays.dataset(of.0, dataset));
     let data = (dataset.as_ref(), problem.as_ref());
-    let starts = unknown_constants::constant_starts(of, data, (options, scope.is_some()), watcher);
+    let starts = constant_starts::constant_starts(of, data, (options, scope.is_some()), watcher);
     let searched = match scope {
         None => search_with_constants(of, data, starts, options, watcher),
         Some(scope) => sketch_with_constants(of, data, (starts, scope), options, watcher),

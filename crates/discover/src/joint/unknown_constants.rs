@@ -1,30 +1,22 @@
 //! Unknown constants inside terms, estimated together with the trajectory.
 //!
-//! In: a model, its libraries, a dataset, the problem. Out: the problem with the constants' values, and what is known of them. A search on rows
-//! of estimated derivatives starts them; then terms are searched at these values, and the likelihood of the constants is maximised for the terms,
-//! in turn.
+//! In: a model, its libraries, a dataset, the problem. Out: the problem with the constants' values, and what is known of them. Terms are searched
+//! at values to start from (`constant_starts`), and the likelihood of the constants is maximised for the terms, in turn.
 
 use std::borrow::Cow;
 
 use crate::doubts::constant_rules;
 use crate::joint::named_correlations::named_correlations;
-use crate::joint::weak_start::{value_of_weak_guess, weak_guesses};
-use crate::needed_signals::needed_signals;
-use crate::options::Options;
-use crate::regression::thresholds::WEAK_FORM;
-use crate::regression::uncoupled::{at_once, map_equations};
 use crate::trajectory::{
-    Answer, CONSTANTS, FittedConstants, Found, HIDDEN, Parameter, Problem, Rival, SoughtConstant,
-    constants_by_runs, fit_constants, fit_constants_by_levels, fit_constants_from, fit_proposed,
-    laws_with_constants, likely_constants, unidentifiable_directions, with_constant_values,
-    with_started_states,
+    Answer, FittedConstants, Found, HIDDEN, Parameter, Problem, Rival, SoughtConstant,
+    fit_constants, fit_constants_by_levels, fit_proposed, laws_with_constants,
+    unidentifiable_directions, with_constant_values, with_started_states,
 };
-use crate::unknown_constants::{self, MinimaSought, Sought};
-use sidc_data::{ConstantValue, Dataset, Samples, samples};
-use sidc_lang::library::Library;
+use crate::unknown_constants::{self, Sought};
+use sidc_data::{ConstantValue, Dataset};
 use sidc_lang::model::Model;
 use sidc_lang::term::{Language, Signal, SignalNames};
-use sidc_progress::{EquationObserver, Observer};
+use sidc_progress::EquationObserver;
 use sidc_system::discovery::{Discovery, UnknownValue};
 
 /// The unknown constants of a model, in order of declaration.
@@ -34,183 +26,6 @@ pub(crate) struct Constants {
     all: Vec<Sought>,
     /// Values of the constants at which laws are looked for near an answer.
     points: Vec<Vec<f64>>,
-}
-
-/// Starts for the search of the unknown constants of a model, the likeliest first. At least one for a whole search; a sketch with hidden
-/// states has none where every constant is likeliest at an end of its range: a lag as short as can be is no lag.
-pub(crate) fn constant_starts(
-    (model, libraries): (&Model, &[Option<Library>]),
-    (dataset, problem): (&Dataset, &Problem),
-    (options, sketched): (&Options, bool),
-    watcher: &mut EquationObserver,
-) -> Vec<Constants> {
-    if model.unknowns.is_empty() {
-        return vec![Constants::none()];
-    }
-    let of = (model, libraries);
-    if !problem.system.hidden.is_empty() {
-        let (all, mut minima) = minima_with_hidden_states(model, problem, watcher);
-        if sketched {
-            minima.retain(|values| !are_at_ends(&all, values));
-        }
-        let mut starts: Vec<Constants> = Vec::new();
-        for values in &minima {
-            let mut start = Constants::new(&all, values, &[]);
-            start.refine_with_hidden_states(problem, watcher);
-            // Starts that lead to the same values are tried once.
-            if !starts.iter().any(|s| s.is_at(&start)) {
-                starts.push(start);
-            }
-        }
-        return starts;
-    }
-    let (rows, _, _) = samples(model, dataset, &needed_signals(model, libraries), watcher);
-    let wanted = MinimaSought {
-        most: CONSTANTS.ranked,
-        below_errors: true,
-    };
-    let minima = unknown_constants::minima(of, (&rows, wanted), options, watcher);
-    let all = unknown_constants::sought(model, &rows);
-    let points = unknown_constants::points(of, &rows, options);
-    let data = (dataset, problem);
-    let mut starts = scanned(of, data, (&all, &points), options, watcher);
-    starts.extend(minima);
-    let minima = likeliest(of, data, (&all, starts), options, watcher);
-    let starts = minima.iter();
-    starts.map(|v| Constants::new(&all, v, &points)).collect()
-}
-
-/// Values of the constants at which the measured laws, with guessed hidden states, follow the readings best. Constants that differ between
-/// runs start alike.
-fn minima_with_hidden_states(
-    model: &Model,
-    problem: &Problem,
-    watcher: &mut EquationObserver,
-) -> (Vec<Sought>, Vec<Vec<f64>>) {
-    let runs = Samples {
-        trajectory: problem.runs().into_iter().map(|r| r as u32).collect(),
-        ..Samples::default()
-    };
-    let all = unknown_constants::sought(model, &runs);
-    let ranges = model.unknowns.iter();
-    let ranges = ranges.map(|u| (Signal::new(u.var), u.ranges())).collect();
-    let mut minima = likely_constants(problem, &ranges, watcher);
-    if problem.system.columns.is_empty() {
-        minima.extend(constants_by_runs(problem, &ranges, watcher));
-    }
-    let each = |values: Vec<f64>| all.iter().map(|s| values[s.place]).collect();
-    let minima = minima.into_iter().map(each).collect();
-    (all, minima)
-}
-
-/// Whether every constant is at an end of its range.
-fn are_at_ends(all: &[Sought], values: &[f64]) -> bool {
-    let mut all = all.iter().zip(values);
-    all.all(|(s, value)| {
-        let (from, to) = s.unknown.range_containing(*value);
-        *value <= from || *value >= to
-    })
-}
-
-/// The points at which the weak form explains most with few terms, no two alike. Only for large libraries: among few terms rows of derivatives
-/// find the constants.
-fn scanned(
-    of: (&Model, &[Option<Library>]),
-    (dataset, problem): (&Dataset, &Problem),
-    (all, points): (&[Sought], &[Vec<f64>]),
-    options: &Options,
-    watcher: &mut EquationObserver,
-) -> Vec<Vec<f64>> {
-    if !is_large(problem) {
-        return Vec::new();
-    }
-    let judged = |values: Vec<f64>, watcher: &mut EquationObserver| {
-        if !watcher.go_on() {
-            return (f64::INFINITY, values);
-        }
-        let constants = Constants::new(all, &values, &[]);
-        let (at, acting) = (constants.problem(problem), constants.dataset(dataset));
-        let value = value_of_weak_guess(of, &acting, &at, options, watcher);
-        (value, values)
-    };
-    let ranked = at_each(points.to_vec(), problem, options, watcher, judged);
-    best_distinct(ranked, CONSTANTS.scanned)
-}
-
-/// Whether the laws have so many candidates that values of the constants are scanned, and several of them searched.
-fn is_large(problem: &Problem) -> bool {
-    problem.system.columns.len() >= CONSTANTS.scanned_columns
-}
-
-/// The points of smallest value, no two alike; none whose value is infinite.
-fn best_distinct(mut ranked: Vec<(f64, Vec<f64>)>, most: usize) -> Vec<Vec<f64>> {
-    ranked.retain(|(value, _)| value.is_finite());
-    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut best: Vec<Vec<f64>> = Vec::new();
-    for (_, values) in ranked {
-        let known = best.iter().any(|b| unknown_constants::alike(b, &values));
-        if best.len() < most && !known {
-            best.push(values);
-        }
-    }
-    best
-}
-
-/// What `work` makes of each point, at as many at once as fit into memory.
-fn at_each<A: Send>(
-    points: Vec<Vec<f64>>,
-    problem: &Problem,
-    options: &Options,
-    watcher: &mut EquationObserver,
-    work: impl Fn(Vec<f64>, &mut EquationObserver) -> A + Sync,
-) -> Vec<A> {
-    let entries = (problem.system.columns.len() * problem.measurements()) as u128;
-    let size = entries * u128::from(WEAK_FORM.bytes_per_entry);
-    let at_once = at_once(vec![size; points.len()], options.memory);
-    let points = points.into_iter().map(|values| (0, values)).collect();
-    let done = map_equations(at_once, points, watcher, work).into_iter();
-    done.map(|(_, done)| done).collect()
-}
-
-/// The likeliest of many points, with their constants refined: the weak form gives the terms at each point. One point, or a few for a large
-/// library, where the fit of a guess may not be the winner of the search; the first if the weak form finds no terms anywhere.
-fn likeliest(
-    (model, libraries): (&Model, &[Option<Library>]),
-    (dataset, problem): (&Dataset, &Problem),
-    (all, points): (&[Sought], Vec<Vec<f64>>),
-    options: &Options,
-    watcher: &mut EquationObserver,
-) -> Vec<Vec<f64>> {
-    let fitted_from = |values: Vec<f64>, watcher: &mut EquationObserver| {
-        if !watcher.go_on() {
-            return (f64::INFINITY, values);
-        }
-        let constants = Constants::new(all, &values, &[]);
-        let (at, acting) = (constants.problem(problem), constants.dataset(dataset));
-        let fitted = match at.system.columns.is_empty() {
-            true => fit_constants_by_levels(&at, &constants.sought, watcher),
-            false => {
-                let guesses = weak_guesses((model, libraries), &acting, &at, options, watcher);
-                let fits = guesses.iter().filter_map(|guess| {
-                    fit_constants_from(&at, guess, &constants.sought, 1.0, watcher)
-                });
-                fits.min_by(|a, b| a.value.total_cmp(&b.value))
-            }
-        };
-        let new = |f: &FittedConstants| (f.value, f.constants.iter().map(|c| c.value).collect());
-        fitted.as_ref().map_or((f64::INFINITY, values), new)
-    };
-    let first: Vec<Vec<f64>> = points.iter().take(1).cloned().collect();
-    let ranked = at_each(points, problem, options, watcher, fitted_from);
-    let most = match is_large(problem) {
-        true => CONSTANTS.searched,
-        false => 1,
-    };
-    let best = best_distinct(ranked, most);
-    match best.is_empty() {
-        true => first,
-        false => best,
-    }
 }
 
 impl Constants {
@@ -223,7 +38,7 @@ impl Constants {
         unknown_constants::alike(&values(self), &values(other))
     }
 
-    fn new(all: &[Sought], values: &[f64], points: &[Vec<f64>]) -> Constants {
+    pub fn new(all: &[Sought], values: &[f64], points: &[Vec<f64>]) -> Constants {
         let one = |(s, value): (&Sought, &f64)| SoughtConstant {
             signal: s.signal(),
             run: s.run.map(|run| run as usize),
@@ -280,7 +95,7 @@ impl Constants {
     /// Beside hidden states, moves the constants to the likeliest values for the columns proposed there, so that the error of a constant is
     /// not taken for a delay. Of parameters that the readings cannot determine together, the constant that moves most is held: a fit of all
     /// of them would drift along that direction.
-    fn refine_with_hidden_states(&mut self, problem: &Problem, watcher: &mut EquationObserver) {
+    pub fn refine_with_hidden_states(&mut self, problem: &Problem, watcher: &mut EquationObserver) {
         if problem.system.hidden.is_empty() {
             return;
         }
