@@ -431,8 +431,8 @@ fn an_exchange_that_another_constant_makes_up_for_is_a_tie() {
     assert!(run.stdout.contains("doubt[tie]"), "{}", run.stdout);
 }
 
-/// x is small beside the noise, and another k makes up for most of it: an answer without x, which is more than two standard errors of x away, is
-/// doubted.
+/// x is small beside the noise, and another k makes up for most of it. The answer leaves x out, though its coefficient is more than two standard
+/// errors from zero: a tie.
 #[test]
 fn a_term_left_out_that_another_constant_makes_up_for_is_a_tie() {
     let mut random = Random::new(7);

@@ -8,9 +8,9 @@ no others. `--large` offers 90 or 210 candidates in place of 6 or 9. Where it is
 3.9, numpy, scipy.
 """
 import argparse
+import functools
 import re
 import sys
-from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +18,7 @@ from scipy.integrate import solve_ivp
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from identified import identified
+from integration import runge_kutta
 
 # Term, its value, lower bound of x, sign of its coefficient. In equations of order 2, a term that needs x > 0 drives x up.
 FAMILIES = {
@@ -34,20 +35,18 @@ TIMES = np.arange(0, 40, 0.05)
 
 
 def trajectory(rates, start):
-    """States at TIMES, to 1e-9: steps of 1/40 sample, since a step of solve_ivp across a bend of the input errs by 1e-6."""
-    z, out = np.array(start), []
-    for t, after in zip(TIMES, [*TIMES[1:], TIMES[-1]]):
-        out.append(z)
+    """States at TIMES, to 1e-9: steps of 1/40 sample, since a step of solve_ivp across a bend of the input errs by 1e-5."""
+    z = np.array(start)
+    out = [z]
+    for t, after in zip(TIMES, TIMES[1:]):
         h = (after - t) / 40
         for s in t + h * np.arange(40):
-            a = np.array(rates(s, z))
-            b = np.array(rates(s + h / 2, z + h / 2 * a))
-            c = np.array(rates(s + h / 2, z + h / 2 * b))
-            z = z + h / 6 * (a + 2 * b + 2 * c + np.array(rates(s + h, z + h * c)))
+            z = runge_kutta(rates, s, z, h)
+        out.append(z)
     return np.array(out).T
 
 
-@lru_cache(maxsize=None)
+@functools.cache
 def draw(family, order, seed):
     """A law and its motion: constant, coefficients by term, x, u."""
     term, f, least, sign = FAMILIES[family]

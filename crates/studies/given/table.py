@@ -15,6 +15,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from identified import identified
+from integration import runge_kutta
 
 
 def level_of(t):
@@ -95,10 +96,7 @@ def record(system, constants, rng):
         rows.append(z)
         u, h = level_of(k * step), step / parts
         for _ in range(parts):
-            a = f(u, z)
-            b = f(u, z + h / 2 * a)
-            c = f(u, z + h / 2 * b)
-            z = z + h / 6 * (a + 2 * b + 2 * c + f(u, z + h * c))
+            z = runge_kutta(lambda _, z: f(u, z), 0, z, h)
     return order, np.arange(system["rows"]) * step, np.array(rows)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from identified import identified
+from integration import runge_kutta
 
 
 def lorenz(t, s):
@@ -78,13 +79,6 @@ SYSTEMS = {
         rates=rossler, start=lambda r: [5 + r.normal(), r.normal(), 0.1], settle=5.0, step=0.02, rows=2000, read={"x": 0, "y": 1},
         model="state x, y\nstate z : hidden\ndx, dy, dz ~ poly(x, y, z; 2)\n", laws=[{"dx": "y z", "dy": "x y", "dz": "1 z x*z"}]),
 }
-
-
-def runge_kutta(f, t, z, h):
-    a = np.array(f(t, z))
-    b = np.array(f(t + h / 2, z + h / 2 * a))
-    c = np.array(f(t + h / 2, z + h / 2 * b))
-    return z + h / 6 * (a + 2 * b + 2 * c + np.array(f(t + h, z + h * c)))
 
 
 def record(system, rng):

@@ -13,10 +13,14 @@ import json
 import os
 import re
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from integration import runge_kutta
 
 STEP = 0.01
 TIMES = np.arange(0, 20, STEP)
@@ -27,15 +31,6 @@ TERMS = {
         "x^2*dx": lambda x, v: x**2 * v},
 }
 LIBRARY = {1: "1, x, x^2, x^3, sin(x), x*abs(x)", 2: "1, x, x^2, x^3, sin(x), dx, dx^2, dx*abs(dx), x*dx, x^2*dx"}
-
-
-def runge_kutta(f, z, h, steps):
-    for _ in range(steps):
-        a = f(z)
-        b = f(z + h / 2 * a)
-        c = f(z + h / 2 * b)
-        z = z + h / 6 * (a + 2 * b + 2 * c + f(z + h * c))
-    return z
 
 
 @functools.cache
@@ -67,12 +62,9 @@ def draw(order, place, seed):
         z = np.zeros(order if place == "delay" else order + 1)
         states = [z]
         for k, t in enumerate(TIMES[:-1]):
-            if place == "delay":
-                # The last component is time.
-                late = lambda y: np.append(rates(0, y[:-1], command(y[-1] - tau)), 1.0)
-                z = runge_kutta(late, np.append(z, t), STEP / 5, 5)[:-1]
-            else:
-                z = runge_kutta(lambda z: np.array(rates(t, z, levels[k])), z, STEP / 5, 5)
+            acting = (lambda s: command(s - tau)) if place == "delay" else lambda s: levels[k]
+            for s in t + STEP / 5 * np.arange(5):
+                z = runge_kutta(lambda s, z: rates(s, z, acting(s)), s, z, STEP / 5)
             if not np.isfinite(z).all() or abs(z[0]) > 10:
                 break
             states.append(z)

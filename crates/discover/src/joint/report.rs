@@ -255,12 +255,9 @@ impl Report<'_> {
         };
         let mut seen: Vec<(Vec<usize>, f64)> = Vec::new();
         for other in &self.found.rivals {
-            let Rival {
-                ref support, value, ..
-            } = *other;
-            let more = value - best.value;
+            let more = other.value - best.value;
             let near = more < self.tie(other) * self.found.inefficiency;
-            let rival = part(support);
+            let rival = part(&other.support);
             // Rivals come best first, so the first that shows a support of this law is its best.
             let new = rival != own && seen.iter().all(|(s, _)| *s != rival);
             // Terms that move a constant are another law, even if they have the same values as those of the answer.

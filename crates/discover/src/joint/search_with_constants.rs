@@ -301,8 +301,7 @@ impl KnownLaws {
 /// accuracy of their fit.
 fn improves(law: &FittedConstants, answer: &ConstrainedAnswer, constants: &Constants) -> bool {
     let best = &answer.fit.found.best;
-    let terms: Vec<usize> = law.terms.iter().map(|t| t.0).collect();
-    if terms != best.support() {
+    if law.support() != best.support() {
         return law.value < best.value;
     }
     let values = constants.sought().iter().zip(&law.constants);

@@ -20,8 +20,19 @@ pub struct Rival {
     pub support: Vec<usize>,
     /// Its criterion.
     pub value: f64,
-    /// Whether an unknown constant takes a value outside its 95 % interval in the answer.
+    /// Whether an unknown constant takes another value: one outside its 95 % interval in the answer, or that of a search from elsewhere.
     pub moves_constants: bool,
+}
+
+impl Rival {
+    /// A support fitted at the constants of the answer.
+    pub fn new(support: Vec<usize>, value: f64) -> Rival {
+        Rival {
+            support,
+            value,
+            moves_constants: false,
+        }
+    }
 }
 
 /// The result of a search.
@@ -182,17 +193,6 @@ pub(super) fn rivals_among(tried: BTreeMap<Vec<usize>, f64>) -> Vec<Rival> {
     let mut rivals: Vec<Rival> = fitted.map(|(s, value)| Rival::new(s, value)).collect();
     rivals.sort_by(|a, b| a.value.total_cmp(&b.value));
     rivals
-}
-
-impl Rival {
-    /// A support fitted at the constants of the answer.
-    pub fn new(support: Vec<usize>, value: f64) -> Rival {
-        Rival {
-            support,
-            value,
-            moves_constants: false,
-        }
-    }
 }
 
 impl Found {
