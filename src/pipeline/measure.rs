@@ -160,7 +160,9 @@ pub fn measure(
             .as_ref()
             .ok()
             .or(other.as_ref().and_then(|o| o.as_ref().ok()));
-        diagnostics.extend(problem.map_or_else(Vec::new, |p| discover::untold(model, p)));
+        diagnostics.extend(problem.map_or_else(Vec::new, |p| {
+            discover::structurally_unidentifiable(model, p)
+        }));
     }
     let joint = joint.ok();
     diagnostics.extend(found);

@@ -319,7 +319,7 @@ fn what_is_too_long_or_has_no_solution_says_why() {
         square,
     ]
     .iter()
-    .map(emit::consequences)
+    .map(emit::derived_forms)
     .collect();
     insta::assert_snapshot!(said);
 }
@@ -334,7 +334,7 @@ fn uncoupled_nonlinear_systems_stay_as_they_are() {
     ];
     let states = [("x", "state", 1), ("y", "state", 1), ("z", "state", 1)];
     assert_eq!(
-        emit::consequences(&read(&document(&states, "continuous", lorenz))),
+        emit::derived_forms(&read(&document(&states, "continuous", lorenz))),
         ""
     );
     let partly: &[(&str, Sum)] = &[

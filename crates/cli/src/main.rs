@@ -5,12 +5,12 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
-mod arguments;
 mod commands;
 mod exit_status;
 mod failure;
 mod inputs;
 mod monitoring;
+mod option_values;
 mod outputs;
 mod thresholds;
 

@@ -8,7 +8,7 @@ use crate::constrained::constraint_rows::{ConstraintRow, constraint_rows, couple
 use crate::constrained::coupled_equations::CoupledGroup;
 use crate::constrained::{constraint_check, coupled_equations};
 use crate::doubts::dependent_states::{doubt_dependent_states, states_in_samples};
-use crate::early_stop::doubt_unassessed;
+use crate::interruption::doubt_unassessed;
 use crate::known_terms::{fixed_terms, is_estimated_if_given, stated};
 use crate::options::{Method, Options};
 use crate::redundancy;

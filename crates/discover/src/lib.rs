@@ -17,7 +17,7 @@ pub mod weak_form;
 mod constrained;
 mod discover;
 mod doubts;
-mod early_stop;
+mod interruption;
 mod joint;
 mod known_terms;
 mod needed_signals;
@@ -40,10 +40,11 @@ pub use constrained::constraint_rows::check_constraints;
 pub use discover::discover;
 pub use doubts::constant_rules::{doubt_constants, doubt_rival_constants};
 pub use doubts::regression_rules::tie;
-pub use early_stop::{doubt_unassessed, unverified};
+pub use interruption::{doubt_unassessed, unverified};
 pub use joint::no_fit::nothing_fits;
 pub use joint::{
-    Description, Fitted, NotJoint, SearchScope, describe_jointly, discover_jointly, joint, untold,
+    Description, Fitted, NotJoint, SearchScope, describe_jointly, discover_jointly, joint,
+    structurally_unidentifiable,
 };
 pub use needed_signals::needed_signals;
 pub use options::{METHODS, Method, Options};

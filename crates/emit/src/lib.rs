@@ -7,7 +7,7 @@
 
 mod caveats;
 mod code;
-mod consequences;
+mod derived_forms;
 pub mod report;
 mod target;
 mod targets;
@@ -26,7 +26,7 @@ pub use text::evidence::evidence;
 pub use text::free_runs::validation;
 pub use text::layout::{TEXT_WIDTH, wrapped};
 pub use text::linearization::{kink_warnings, linearization};
-pub use text::matrices::consequences;
+pub use text::matrices::derived_forms;
 pub use text::verdict::{Rival, rival, rival_advice, verdict};
 pub use thresholds::tables as thresholds;
 pub use typeset::mathml::{MathMl, escape};

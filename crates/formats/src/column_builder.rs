@@ -1,6 +1,6 @@
 //! The values of one column, gathered batch by batch, and what they mean.
 
-use crate::moments::{from_first, scaled};
+use crate::timestamps::{from_first, scaled};
 use crate::variables::Content;
 use sidc_data::Words;
 

@@ -22,11 +22,11 @@ mod hdf5;
 mod kind;
 mod mat;
 mod mcap;
-mod moments;
 mod npy;
 #[cfg(all(feature = "parquet", panic = "unwind"))]
 mod parquet;
 mod read;
+mod timestamps;
 mod topics;
 mod ulog;
 mod variables;

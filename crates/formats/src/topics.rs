@@ -8,7 +8,7 @@ use sidc_data::{Table, Topic};
 
 use crate::budget::Budget;
 use crate::fault::Fault;
-use crate::moments::scaled;
+use crate::timestamps::scaled;
 use crate::variables::Assembled;
 
 /// What a log holds: topics, and what was left out.

@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
-use crate::arguments::{assignments, quantities};
 use crate::exit_status;
 use crate::failure::Failure;
 use crate::inputs::files::InputFiles;
 use crate::inputs::{tables, texts};
 use crate::monitoring::monitor::Monitor;
+use crate::option_values::{assignments, quantities};
 use crate::outputs::{diagnostics, signals, stdout};
 use crate::thresholds::LISTS;
 use sidc::Options;

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::arguments::names::hint;
 use crate::exit_status;
 use crate::failure::Failure;
 use crate::inputs::texts;
+use crate::option_values::names::hint;
 use crate::outputs::paths::shown;
 use crate::outputs::{doubts, files};
 use sidc_emit as emit;

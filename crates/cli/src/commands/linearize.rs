@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use crate::arguments::operating_point::PointOption;
 use crate::exit_status;
 use crate::failure::Failure;
 use crate::inputs::texts;
+use crate::option_values::operating_point::PointOption;
 use crate::outputs::{doubts, stdout};
 use sidc_emit as emit;
 use sidc_lang::model::VarKind;

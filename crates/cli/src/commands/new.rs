@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use crate::arguments::quantities;
 use crate::exit_status;
 use crate::failure::Failure;
 use crate::inputs::tables;
 use crate::monitoring::monitor::Monitor;
+use crate::option_values::quantities;
 use crate::outputs::{diagnostics, files, paths};
 use sidc_data as data;
 use sidc_data::draft::{ChosenRoles, NoDraft, draft};

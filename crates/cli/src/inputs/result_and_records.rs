@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::{tables, texts};
-use crate::arguments::names::hint;
-use crate::arguments::{assignments, quantities};
 use crate::failure::Failure;
 use crate::monitoring::monitor::Monitor;
 use crate::monitoring::verbosity::Verbosity;
+use crate::option_values::names::hint;
+use crate::option_values::{assignments, quantities};
 use crate::outputs::diagnostics;
 use crate::outputs::paths::short_name;
 use sidc_data as data;

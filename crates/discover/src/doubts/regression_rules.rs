@@ -5,7 +5,7 @@
 use crate::doubts::badly_fitted_rows::BadlyFittedRows;
 use crate::doubts::residual_autocorrelation::ResidualAutocorrelation;
 use crate::doubts::thresholds::DOUBTS;
-use crate::early_stop;
+use crate::interruption;
 use sidc_progress::Stop;
 use sidc_solve::Status as Solved;
 use sidc_system::discovery::{Change, Evidence, FoundTerm, Reason, ReasonCode};
@@ -41,21 +41,21 @@ pub(crate) struct RegressionCase<'a> {
 pub(crate) fn doubts(case: &RegressionCase) -> Vec<Reason> {
     let rules: [fn(&RegressionCase) -> Option<Reason>; 16] = [
         stopped,
-        refused,
-        heuristic,
-        contradicted,
-        solver,
-        too_many_terms,
+        solver_refused,
+        heuristic_solver,
+        inconsistent_rows,
+        solver_inaccurate,
+        not_sparse,
         poor_fit,
         misfit,
-        badly_fitted_rows_doubt,
-        coloured,
-        used_up,
-        rough,
+        rows_missed,
+        coloured_residuals,
+        exhausted_library,
+        rough_derivative,
         held_out,
         few_rows,
-        dependent,
-        tied,
+        dependent_support,
+        tie_of_supports,
     ];
     let mut reasons: Vec<Reason> = rules.iter().filter_map(|rule| rule(case)).collect();
     if noisy(case.evidence) {
@@ -66,7 +66,7 @@ pub(crate) fn doubts(case: &RegressionCase) -> Vec<Reason> {
 
 /// What the residual alone speaks of.
 pub(crate) fn residual_doubts(case: &RegressionCase) -> Vec<Reason> {
-    let rules = [poor_fit, misfit, badly_fitted_rows_doubt, coloured];
+    let rules = [poor_fit, misfit, rows_missed, coloured_residuals];
     rules.iter().filter_map(|rule| rule(case)).collect()
 }
 
@@ -75,10 +75,10 @@ fn noisy(e: &Evidence) -> bool {
 }
 
 fn stopped(c: &RegressionCase) -> Option<Reason> {
-    c.stopped.map(early_stop::doubt)
+    c.stopped.map(interruption::doubt)
 }
 
-fn refused(c: &RegressionCase) -> Option<Reason> {
+fn solver_refused(c: &RegressionCase) -> Option<Reason> {
     match c.solved {
         Solved::Refused { reason } => {
             Some(Reason::new(ReasonCode::SolverRefused, reason.to_string()))
@@ -87,7 +87,7 @@ fn refused(c: &RegressionCase) -> Option<Reason> {
     }
 }
 
-fn heuristic(c: &RegressionCase) -> Option<Reason> {
+fn heuristic_solver(c: &RegressionCase) -> Option<Reason> {
     (!c.exact && !c.evidence.certificate.optimal).then(|| {
         Reason::new(
             ReasonCode::HeuristicSolver,
@@ -100,7 +100,7 @@ fn heuristic(c: &RegressionCase) -> Option<Reason> {
 }
 
 /// No combination of all candidate terms fits the rows.
-fn contradicted(c: &RegressionCase) -> Option<Reason> {
+fn inconsistent_rows(c: &RegressionCase) -> Option<Reason> {
     matches!(c.solved, Solved::Inconsistent { .. }).then(|| {
         Reason::new(
             ReasonCode::InconsistentRows,
@@ -113,7 +113,7 @@ fn contradicted(c: &RegressionCase) -> Option<Reason> {
     })
 }
 
-fn solver(c: &RegressionCase) -> Option<Reason> {
+fn solver_inaccurate(c: &RegressionCase) -> Option<Reason> {
     let Solved::Inaccurate { gap, residual } = c.solved else {
         return None;
     };
@@ -140,7 +140,7 @@ fn solver(c: &RegressionCase) -> Option<Reason> {
 }
 
 /// Too many terms for the rows: any target can be fitted like that.
-fn too_many_terms(c: &RegressionCase) -> Option<Reason> {
+fn not_sparse(c: &RegressionCase) -> Option<Reason> {
     let (k, m) = (c.terms.len(), c.evidence.rows);
     if DOUBTS.sparse_rows * k > m && k > 1 {
         return Some(Reason::new(
@@ -180,7 +180,7 @@ pub(crate) fn exhausted(terms: usize, candidates: usize, made: usize) -> Option<
     })
 }
 
-fn used_up(c: &RegressionCase) -> Option<Reason> {
+fn exhausted_library(c: &RegressionCase) -> Option<Reason> {
     let e = c.evidence;
     // If the fit is as good as the data, the law really has that many terms.
     let off = e.target_error > 0.0 && e.residual > DOUBTS.misfit * e.target_error;
@@ -191,7 +191,7 @@ fn used_up(c: &RegressionCase) -> Option<Reason> {
 fn poor_fit(c: &RegressionCase) -> Option<Reason> {
     let e = c.evidence;
     // In the weak form the noise of the rows is known, so only the residual beyond it counts; without terms all of it does.
-    let known = match e.method.is_empty() || c.terms.is_empty() {
+    let known = match e.origin.is_samples() || c.terms.is_empty() {
         true => 0.0,
         false => e.target_error,
     };
@@ -232,7 +232,7 @@ pub(crate) fn times(factor: f64) -> String {
 }
 
 /// Rows of small weight that contradict an equation whose residual as a whole passes.
-fn badly_fitted_rows_doubt(c: &RegressionCase) -> Option<Reason> {
+fn rows_missed(c: &RegressionCase) -> Option<Reason> {
     let s = c.residuals.badly_fitted?;
     let hidden = poor_fit(c).is_none() && misfit(c).is_none();
     hidden.then(|| {
@@ -275,7 +275,7 @@ fn exceeds(m: ResidualAutocorrelation) -> bool {
     m.value.abs() > m.bound.max(DOUBTS.autocorrelation)
 }
 
-fn coloured(c: &RegressionCase) -> Option<Reason> {
+fn coloured_residuals(c: &RegressionCase) -> Option<Reason> {
     let m = c.residuals.autocorrelation?;
     (exceeds(m) && c.evidence.residual > DOUBTS.negligible_residual).then(|| {
         Reason::new(
@@ -289,9 +289,9 @@ fn coloured(c: &RegressionCase) -> Option<Reason> {
     })
 }
 
-fn rough(c: &RegressionCase) -> Option<Reason> {
+fn rough_derivative(c: &RegressionCase) -> Option<Reason> {
     let e = c.evidence.target_error;
-    (e > DOUBTS.rough_target && c.evidence.method.is_empty()).then(|| {
+    (e > DOUBTS.rough_target && c.evidence.origin.is_samples()).then(|| {
         Reason::new(
             ReasonCode::RoughDerivative,
             format!(
@@ -337,7 +337,7 @@ fn few_rows(c: &RegressionCase) -> Option<Reason> {
     })
 }
 
-fn dependent(c: &RegressionCase) -> Option<Reason> {
+fn dependent_support(c: &RegressionCase) -> Option<Reason> {
     let p = &c.evidence.certificate;
     (p.rank < p.support || p.condition > DOUBTS.condition).then(|| {
         Reason::new(
@@ -350,7 +350,7 @@ fn dependent(c: &RegressionCase) -> Option<Reason> {
     })
 }
 
-fn tied(c: &RegressionCase) -> Option<Reason> {
+fn tie_of_supports(c: &RegressionCase) -> Option<Reason> {
     tie(&c.evidence.ties)
 }
 

@@ -35,18 +35,18 @@ pub(crate) struct TrajectoryCase<'a> {
 pub(crate) fn doubts(case: &TrajectoryCase) -> Vec<Reason> {
     let mut reasons = Vec::new();
     for c in case.channels {
-        reasons.extend(poor(case, c));
-        reasons.extend(large(case, c));
-        reasons.extend(memory(case, c));
+        reasons.extend(poor_fit(case, c));
+        reasons.extend(misfit(case, c));
+        reasons.extend(coloured_residuals(case, c));
         reasons.extend(outliers(case, c));
     }
-    reasons.extend(few(case));
+    reasons.extend(few_rows(case));
     reasons.extend(regression_rules::exhausted(
         case.terms.len(),
         case.evidence.candidates,
         case.made,
     ));
-    reasons.extend(unsettled(case));
+    reasons.extend(not_settled(case));
     reasons.extend(regression_rules::tie(&case.evidence.ties));
     reasons.extend(regression_rules::uncertain(case.terms, case.written));
     reasons
@@ -274,7 +274,7 @@ fn beyond_library(
     }
 }
 
-fn poor(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
+fn poor_fit(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
     let part = c.residual / c.spread;
     let allowed = match unexplained(c) {
         true => TRAJECTORY_DOUBTS.poor_fit,
@@ -293,7 +293,7 @@ fn poor(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
     })
 }
 
-fn large(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
+fn misfit(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
     (c.noise_ratio > TRAJECTORY_DOUBTS.misfit
         && c.residual > TRAJECTORY_DOUBTS.negligible_residual * c.spread)
         .then(|| {
@@ -315,7 +315,7 @@ fn told(c: &Channel) -> bool {
             .max(TRAJECTORY_DOUBTS.negligible_residual * c.spread)
 }
 
-fn memory(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
+fn coloured_residuals(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
     (c.autocorrelation.abs() > c.white_noise_bound.max(DOUBTS.autocorrelation) && told(c)).then(|| {
         Reason::new(
             ReasonCode::ColouredResiduals,
@@ -357,7 +357,7 @@ fn short(seconds: f64) -> f64 {
     (seconds * 1e6).round() / 1e6
 }
 
-fn few(case: &TrajectoryCase) -> Option<Reason> {
+fn few_rows(case: &TrajectoryCase) -> Option<Reason> {
     (case.readings < DOUBTS.rows_per_term * case.all_terms).then(|| {
         Reason::new(
             ReasonCode::FewRows,
@@ -373,7 +373,7 @@ fn few(case: &TrajectoryCase) -> Option<Reason> {
     })
 }
 
-fn unsettled(case: &TrajectoryCase) -> Option<Reason> {
+fn not_settled(case: &TrajectoryCase) -> Option<Reason> {
     (!case.converged).then(|| {
         Reason::new(
             ReasonCode::NotSettled,

@@ -13,7 +13,7 @@ use crate::trajectory::{
     CONSTANTS, FittedConstants, Problem, constants_by_runs, fit_constants_by_levels,
     fit_constants_from, likely_constants,
 };
-use crate::unknown_constants::{self, MinimaSought, Sought};
+use crate::unknown_constants::{self, MinimaSought, SearchedConstant};
 use sidc_data::{Dataset, Samples, samples};
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
@@ -70,7 +70,7 @@ fn minima_with_hidden_states(
     model: &Model,
     problem: &Problem,
     watcher: &mut EquationObserver,
-) -> (Vec<Sought>, Vec<Vec<f64>>) {
+) -> (Vec<SearchedConstant>, Vec<Vec<f64>>) {
     let runs = Samples {
         trajectory: problem.runs().into_iter().map(|r| r as u32).collect(),
         ..Samples::default()
@@ -88,7 +88,7 @@ fn minima_with_hidden_states(
 }
 
 /// Whether every constant is at an end of its range.
-fn are_at_ends(all: &[Sought], values: &[f64]) -> bool {
+fn are_at_ends(all: &[SearchedConstant], values: &[f64]) -> bool {
     let mut all = all.iter().zip(values);
     all.all(|(s, value)| {
         let (from, to) = s.unknown.range_containing(*value);
@@ -101,7 +101,7 @@ fn are_at_ends(all: &[Sought], values: &[f64]) -> bool {
 fn scanned(
     of: (&Model, &[Option<Library>]),
     (dataset, problem): (&Dataset, &Problem),
-    (all, points): (&[Sought], &[Vec<f64>]),
+    (all, points): (&[SearchedConstant], &[Vec<f64>]),
     options: &Options,
     watcher: &mut EquationObserver,
 ) -> Vec<Vec<f64>> {
@@ -161,7 +161,7 @@ fn at_each<A: Send>(
 fn likeliest(
     (model, libraries): (&Model, &[Option<Library>]),
     (dataset, problem): (&Dataset, &Problem),
-    (all, points): (&[Sought], Vec<Vec<f64>>),
+    (all, points): (&[SearchedConstant], Vec<Vec<f64>>),
     options: &Options,
     watcher: &mut EquationObserver,
 ) -> Vec<Vec<f64>> {

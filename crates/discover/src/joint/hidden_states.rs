@@ -9,7 +9,7 @@ use crate::joint::joint_fit::JointFit;
 use crate::joint::unknown_constants::Constants;
 use crate::selection::thresholds::TERM_SELECTION;
 use crate::trajectory::{
-    Parameter, Problem, SoughtConstant, ToldScale, exchanged_constants, exchanged_lags,
+    Parameter, Problem, ReportedScale, SoughtConstant, exchanged_constants, exchanged_lags,
     unidentifiable_directions, with_sparsest_offset, with_told_scales,
 };
 use sidc_lang::model::Model;
@@ -25,7 +25,7 @@ const FIGURES: usize = 3;
 pub(crate) fn settle_scales(
     answer: &mut ConstrainedAnswer,
     watcher: &mut EquationObserver,
-) -> Vec<ToldScale> {
+) -> Vec<ReportedScale> {
     if answer.fit.problem.system.hidden.is_empty() {
         return Vec::new();
     }
@@ -49,7 +49,7 @@ pub(crate) fn settle_scales(
 pub(crate) fn state(
     model: &Model,
     fit: &JointFit,
-    scales: &[ToldScale],
+    scales: &[ReportedScale],
     discovery: &mut Discovery,
 ) {
     let problem = &fit.problem;
@@ -91,7 +91,7 @@ fn starts(problem: &Problem, columns: &[Vec<f64>]) -> Vec<HiddenStart> {
     starts
 }
 
-fn rule(model: &Model, scales: &[ToldScale], signal: Signal) -> Option<ScaleRule> {
+fn rule(model: &Model, scales: &[ReportedScale], signal: Signal) -> Option<ScaleRule> {
     let told = scales.iter().find(|s| s.state == signal)?;
     Some(ScaleRule {
         equation: model.name(told.target),

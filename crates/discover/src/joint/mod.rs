@@ -8,7 +8,7 @@ mod applicability;
 mod constant_starts;
 mod constrained_search;
 mod constraint_doubts;
-mod curved_inputs;
+mod cubic_inputs;
 mod declared_delays;
 mod declared_runs;
 mod delay_outlier_search;
@@ -32,17 +32,17 @@ mod weak_start;
 pub use applicability::{NotJoint, joint};
 pub use description::Description;
 pub use search_with_constants::SearchScope;
-pub use structural::untold;
+pub use structural::structurally_unidentifiable;
 
 use std::sync::Arc;
 
 use crate::constrained::constraint_check::{doubt_broken, doubt_equations};
 use crate::doubts::dependent_states::doubt_dependent_states;
 use crate::doubts::{pooling_rules, trajectory_rules};
-use crate::early_stop::{self, doubt_unassessed};
+use crate::interruption::{self, doubt_unassessed};
 use crate::joint::constrained_search::{ConstrainedAnswer, SearchOutcome};
 use crate::joint::constraint_doubts::{contradiction, doubts, refuse_contradiction};
-use crate::joint::curved_inputs::curved_inputs;
+use crate::joint::cubic_inputs::curved_inputs;
 use crate::joint::declared_delays::DeclaredDelays;
 use crate::joint::joint_fit::JointFit;
 use crate::joint::library_probe::probe_libraries;
@@ -56,7 +56,7 @@ use crate::redundancy::doubt_redundant_equations;
 use crate::refusal::Refusal;
 use crate::selection::thresholds::TERM_SELECTION;
 use crate::trajectory;
-use crate::trajectory::{CurvedInputs, Found, Law, Problem, RunNotFollowed};
+use crate::trajectory::{CubicInputs, Found, Law, Problem, RunNotFollowed};
 use sidc_data::{Column, Dataset, Origin, Samples};
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
@@ -126,7 +126,7 @@ pub fn discover_jointly(
         SearchOutcome::Nothing => Ok(watcher.stop().map(|stop| {
             let failed = |law: &Law| Failed {
                 target: law.target,
-                reasons: vec![early_stop::failure(stop)],
+                reasons: vec![interruption::failure(stop)],
             };
             let mut discovery = discovery;
             discovery.failed = ended.laws.iter().map(failed).collect();
@@ -175,7 +175,7 @@ struct Ended<'a> {
     searched: Searched<'a>,
     delays: &'a DeclaredDelays,
     /// The alternative to inputs that are straight between their samples.
-    curved: Option<CurvedInputs>,
+    curved: Option<CubicInputs>,
     laws: &'a [Law],
 }
 
@@ -224,7 +224,7 @@ fn search_jointly<T>(
 fn equations(
     model: &Model,
     mut discovery: Discovery,
-    (answer, curved): (&ConstrainedAnswer, Option<&CurvedInputs>),
+    (answer, curved): (&ConstrainedAnswer, Option<&CubicInputs>),
     watcher: &mut EquationObserver,
 ) -> (Discovery, Found) {
     let stopped = watcher.stop();
@@ -258,7 +258,7 @@ fn equations(
             continue;
         }
         let mut equation = report.equation(&discovery, law, known);
-        equation.reasons.extend(stopped.map(early_stop::doubt));
+        equation.reasons.extend(stopped.map(interruption::doubt));
         if !equation.reasons.is_empty() {
             equation.status = Status::Doubt;
         }

@@ -3,21 +3,23 @@
 //! In: a model, the problem. Out: diagnostics with the parameters of which only a combination acts, and a way out. Never looks at an answer.
 
 use super::hidden_states::{ANY_SCALE, coefficient};
-use crate::trajectory::{Parameter, Problem, UntoldDirection, untold_directions};
+use crate::trajectory::{
+    Parameter, Problem, UnidentifiableDirection, structurally_unidentifiable_directions,
+};
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::model::Model;
 use sidc_lang::term::SignalNames;
 
 /// An error for each direction in which constants can change while nothing that is read does.
-pub fn untold(model: &Model, problem: &Problem) -> Vec<Diagnostic> {
-    let directions = untold_directions(problem, &model.unknowns);
+pub fn structurally_unidentifiable(model: &Model, problem: &Problem) -> Vec<Diagnostic> {
+    let directions = structurally_unidentifiable_directions(problem, &model.unknowns);
     directions
         .iter()
         .map(|d| error(model, problem, d))
         .collect()
 }
 
-fn error(model: &Model, problem: &Problem, direction: &UntoldDirection) -> Diagnostic {
+fn error(model: &Model, problem: &Problem, direction: &UnidentifiableDirection) -> Diagnostic {
     let name = |p: &Parameter| match p {
         Parameter::Constant(k) => model.variable(model.unknowns[*k].var).to_string(),
         Parameter::Coefficient(column) => coefficient(model, problem, *column),

@@ -12,7 +12,7 @@ use crate::trajectory::{
     fit_constants, fit_constants_by_levels, fit_proposed, laws_with_constants,
     unidentifiable_directions, with_constant_values, with_started_states,
 };
-use crate::unknown_constants::{self, Sought};
+use crate::unknown_constants::{self, SearchedConstant};
 use sidc_data::{ConstantValue, Dataset};
 use sidc_lang::model::Model;
 use sidc_lang::term::{Language, Signal, SignalNames};
@@ -23,7 +23,7 @@ use sidc_system::discovery::{Discovery, UnknownValue};
 pub(crate) struct Constants {
     sought: Vec<SoughtConstant>,
     /// For each of `sought`: its constant in the model, and its run.
-    all: Vec<Sought>,
+    all: Vec<SearchedConstant>,
     /// Values of the constants at which laws are looked for near an answer.
     points: Vec<Vec<f64>>,
 }
@@ -38,8 +38,8 @@ impl Constants {
         unknown_constants::alike(&values(self), &values(other))
     }
 
-    pub fn new(all: &[Sought], values: &[f64], points: &[Vec<f64>]) -> Constants {
-        let one = |(s, value): (&Sought, &f64)| SoughtConstant {
+    pub fn new(all: &[SearchedConstant], values: &[f64], points: &[Vec<f64>]) -> Constants {
+        let one = |(s, value): (&SearchedConstant, &f64)| SoughtConstant {
             signal: s.signal(),
             run: s.run.map(|run| run as usize),
             value: *value,

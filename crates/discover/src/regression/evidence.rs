@@ -16,7 +16,9 @@ use crate::row_weights::Weights;
 use crate::statistics::{product, rms};
 use crate::uncertainty::term_identity::same_laws;
 use sidc_lang::term::{Language, Term};
-use sidc_system::discovery::{Discovery, Equation, Evidence, FoundTerm, HeldOut, Status, Witness};
+use sidc_system::discovery::{
+    Discovery, Equation, Evidence, FoundTerm, HeldOut, RowOrigin, Status, Witness,
+};
 
 impl Task<'_> {
     /// The equation of an estimate. `names` gives signals their names.
@@ -25,7 +27,7 @@ impl Task<'_> {
         let size = rms(&design.target);
         let terms = self.found_terms(answer);
         let (mut witness, mut remains) = (None, ResidualFindings::default());
-        let (rows, left, held_out, method) = match &design.basis {
+        let (rows, left, held_out, origin) = match &design.basis {
             RowKind::Samples { split, used, y } => {
                 witness = Some(Arc::new(Witness {
                     rows: split.used.clone(),
@@ -39,23 +41,19 @@ impl Task<'_> {
                     remains.autocorrelation = residual_autocorrelation::measure(&left, used);
                 }
                 let left = rms(&product(&left, &weights.row));
-                (
-                    used.len(),
-                    left,
-                    self.held_out(&terms, split),
-                    String::new(),
-                )
+                let held_out = self.held_out(&terms, split);
+                (used.len(), left, held_out, RowOrigin::Samples)
             }
             RowKind::Integrals { rows, reach } => {
                 let left = rms(&design.problem().residual(&answer.pairs()));
-                let method = format!("weak form, windows of ±{reach} samples");
-                (*rows, left, None, method)
+                let origin = RowOrigin::Integrals { reach: *reach };
+                (*rows, left, None, origin)
             }
         };
         let evidence = Evidence {
             rows,
             candidates: self.library.len(),
-            method,
+            origin,
             solver: answer.solver.into(),
             iterations: answer.iterations,
             residual: left / size,

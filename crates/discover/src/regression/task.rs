@@ -5,7 +5,7 @@
 use std::cmp::Ordering;
 
 use crate::dictionary::{BadValue, compile, subtract};
-use crate::early_stop;
+use crate::interruption;
 use crate::options::{Method, Options};
 use crate::regression::design::{Design, RowKind};
 use crate::regression::memory_limit;
@@ -43,7 +43,7 @@ impl Task<'_> {
         watcher: &mut EquationObserver,
     ) -> Result<Result<Design, Failed>, Box<BadValue>> {
         if let Some(stop) = watcher.at(Stage::Evaluating) {
-            return Ok(Err(self.failed(early_stop::failure(stop))));
+            return Ok(Err(self.failed(interruption::failure(stop))));
         }
         if self.options.method == Method::Weak
             && let Some(weak) = self.weak_form()?
@@ -73,7 +73,7 @@ impl Task<'_> {
         let target = product(&y, &weights.row);
         let design = Design::new(RowKind::Samples { split, used, y }, weights, phi, target);
         if let Some(stop) = watcher.at(Stage::Solving(SolverProgress::default())) {
-            return Ok(Err(self.failed(early_stop::failure(stop))));
+            return Ok(Err(self.failed(interruption::failure(stop))));
         }
         Ok(Ok(design))
     }

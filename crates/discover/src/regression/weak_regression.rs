@@ -7,7 +7,7 @@
 use std::collections::BTreeSet;
 
 use crate::dictionary::BadValue;
-use crate::early_stop;
+use crate::interruption;
 use crate::options::Method;
 use crate::refusal::Unevaluable;
 use crate::regression::design::{Design, RowKind};
@@ -238,7 +238,7 @@ impl Task<'_> {
         watcher: &mut EquationObserver,
     ) -> Result<Equation, Failed> {
         if let (None, Some(stop)) = (&best, watcher.stop()) {
-            return Err(self.failed(early_stop::failure(stop)));
+            return Err(self.failed(interruption::failure(stop)));
         }
         let best = best.and_then(|b| self.weak_design(&b.own, b.whitened));
         let Some(mut design) = best else {

@@ -7,7 +7,9 @@ use nalgebra::{DMatrix, DVector};
 use sidc_lang::number::significant;
 use sidc_lang::term::SignalNames;
 use sidc_progress::{EquationObserver, Stage};
-use sidc_system::discovery::{Discovery, Equation, FoundTerm, Reason, ReasonCode, Status};
+use sidc_system::discovery::{
+    Discovery, Equation, FoundTerm, Reason, ReasonCode, RowOrigin, Status,
+};
 
 use crate::regression::task::{Task, named};
 use crate::row_reduction::factor::Factor;
@@ -70,10 +72,9 @@ pub(crate) fn refit(
         }
     }
     if let Some(evidence) = &mut equation.evidence {
-        evidence.method = format!(
-            "coefficients of all rows, judged on {} of them",
-            evidence.rows
-        );
+        evidence.origin = RowOrigin::AllSamples {
+            judged: evidence.rows,
+        };
         evidence.rows = factor.rows();
         evidence.residual = fit.rest.sqrt() / factor.r().column(factor.terms()).norm();
     }

@@ -87,7 +87,7 @@ impl<'a> ScaledDesign<'a> {
         if samples.len() < 2 || library.is_empty() {
             return None;
         }
-        let measured = evidence.joint.is_none() && evidence.method.is_empty();
+        let measured = evidence.joint.is_none() && evidence.origin.is_samples();
         let y = target(&samples, equation, measured)?;
         let mut error = Weights::new(&samples, equation.target, library, &y);
         if !measured {

@@ -59,7 +59,7 @@ mod thresholds;
 #[cfg(test)]
 pub(crate) mod tests;
 
-pub use hidden_states::ToldScale;
+pub use hidden_states::ReportedScale;
 pub(crate) use hidden_states::{
     HIDDEN, constants_by_runs, exchanged_constants, exchanged_lags, fit_proposed, likely_constants,
     with_sparsest_offset, with_started_states, with_told_scales,
@@ -85,10 +85,10 @@ pub use search::{
 };
 pub(crate) use sensor_faults::sampling_interval;
 pub use sensor_faults::{
-    CurvedInputs, DelayEstimate, DelayProposal, DelayedInputs, InputLag, SensorOffset,
+    CubicInputs, DelayEstimate, DelayProposal, DelayedInputs, InputLag, SensorOffset,
     criterion_without_delay, find_lag, find_sensor_offset, fit_delay, is_held, profile_delays,
     screen_delays, screen_ranges, with_delay,
 };
-pub use structural::{UntoldDirection, untold_directions};
+pub use structural::{UnidentifiableDirection, structurally_unidentifiable_directions};
 pub use thresholds::tables;
 pub(crate) use thresholds::{AHEAD, CONSTANTS, DECLARED_DELAYS, POOLING};

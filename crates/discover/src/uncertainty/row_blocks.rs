@@ -20,7 +20,7 @@ pub fn block_normal_equations(design: &ScaledDesign) -> Option<BlockNormalEquati
     }
     let candidates = candidates(design);
     let rows = design.rows();
-    let observed = evidence.method.is_empty();
+    let observed = evidence.origin.is_samples();
     let count = match observed {
         true => ROW_BLOCKS.blocks.min(rows / ROW_BLOCKS.min_rows).max(1),
         false => 1,

@@ -8,7 +8,7 @@
 
 use super::profile::Profile;
 use super::search_points::{alike, apart};
-use super::sought::set_values;
+use super::searched_constant::set_values;
 use super::thresholds::UNKNOWNS;
 use super::variable_projection::project;
 use crate::dictionary::compile;

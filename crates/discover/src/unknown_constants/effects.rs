@@ -4,7 +4,7 @@
 //! goes with it. Judges nothing.
 
 use super::search::fitted;
-use super::sought::{sought, values_of};
+use super::searched_constant::{sought, values_of};
 use super::variable_projection::{expression_values, project};
 use crate::dictionary::evaluate;
 use crate::options::Options;

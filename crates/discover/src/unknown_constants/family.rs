@@ -2,7 +2,7 @@
 //!
 //! In: a library, rows. Out: plain data. Computes nothing.
 
-use super::sought::Sought;
+use super::searched_constant::SearchedConstant;
 use sidc_data::Samples;
 use sidc_lang::library::{Grading, Library};
 
@@ -11,7 +11,7 @@ use sidc_lang::library::{Grading, Library};
 pub(super) struct Family<'a> {
     pub library: &'a Library,
     /// The constants that vary.
-    pub sought: &'a [Sought],
+    pub sought: &'a [SearchedConstant],
     /// Every signal on the rows; constants that do not vary have their present values.
     pub samples: &'a Samples,
     /// Factors of the rows.

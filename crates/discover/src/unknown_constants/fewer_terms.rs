@@ -7,7 +7,7 @@
 //! is met, so the constants are sought for each part of the terms.
 
 use super::profile::{Profile, ProfilePoint};
-use super::sought::Sought;
+use super::searched_constant::SearchedConstant;
 use super::thresholds::UNKNOWNS;
 use super::variable_projection::project;
 use sidc_progress::Observer;
@@ -28,7 +28,7 @@ pub(super) fn with_fewer_terms(
             let mut supports = best.supports.clone();
             supports[place] = part;
             let equation = &profile.equations[place];
-            let mut signals = profile.sought.iter().map(Sought::signal);
+            let mut signals = profile.sought.iter().map(SearchedConstant::signal);
             if !signals.any(|s| equation.holds(&supports[place], s)) {
                 continue;
             }

@@ -8,7 +8,7 @@
 
 use super::maxima::Grid;
 use super::profile::{Profile, ProfiledEquation};
-use super::sought::set_values;
+use super::searched_constant::set_values;
 use super::thresholds::GREEDY;
 use crate::dictionary::compile;
 use sidc_progress::Observer;

@@ -6,7 +6,7 @@
 //! stationary point of its cell, so that larger ones can be missed.
 
 use super::family::Family;
-use super::sought::{Sought, set_values};
+use super::searched_constant::{SearchedConstant, set_values};
 use super::thresholds::PRICING;
 use super::variable_projection::expression_values;
 use crate::dictionary::evaluate;
@@ -75,7 +75,7 @@ pub(super) struct Ascent<'a> {
 
 impl<'a> Ascent<'a> {
     pub fn new(term: &'a Term, family: Family<'a>, dual: &[f64]) -> Ascent<'a> {
-        let slope = |s: &Sought| {
+        let slope = |s: &SearchedConstant| {
             let held = term.mentions(s.signal());
             held.then(|| term.derivative(s.signal()))
         };

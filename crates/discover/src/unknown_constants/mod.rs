@@ -19,7 +19,7 @@ mod range_proof;
 mod rivals;
 mod search;
 mod search_points;
-mod sought;
+mod searched_constant;
 pub(crate) mod thresholds;
 mod variable_projection;
 
@@ -28,4 +28,4 @@ pub use range_proof::range_certificates;
 pub(crate) use rivals::rivals;
 pub use search::{ConstantErrors, MinimaSought, constant_errors, minima, points, refine};
 pub(crate) use search_points::alike;
-pub use sought::{Sought, named_values, sought, values_of, with_values};
+pub use searched_constant::{SearchedConstant, named_values, sought, values_of, with_values};

@@ -4,7 +4,7 @@
 
 use std::borrow::Cow;
 
-use super::sought::{Sought, set_values, shared};
+use super::searched_constant::{SearchedConstant, set_values, shared};
 use super::thresholds::{GREEDY, PRICING, UNKNOWNS};
 use crate::dictionary::{compile, subtract};
 use crate::known_terms::fixed_terms;
@@ -36,7 +36,7 @@ pub(super) struct ProfiledEquation<'a> {
 /// The equations with their rows.
 pub(super) struct Profile<'a> {
     /// The numbers whose profile it is; at first one for each constant.
-    pub sought: Vec<Sought>,
+    pub sought: Vec<SearchedConstant>,
     pub equations: Vec<ProfiledEquation<'a>>,
     pub samples: Samples,
     options: &'a Options,
@@ -233,7 +233,7 @@ impl<'a> Profile<'a> {
 
     /// The price of the constants in the chosen terms: each is one more estimated number.
     fn price(&self, supports: &[Vec<usize>]) -> f64 {
-        let price = |s: &Sought| {
+        let price = |s: &SearchedConstant| {
             let holding = self.holding(s.signal(), supports);
             holding
                 .map(|e| e.criterion.samples.ln())
@@ -244,7 +244,7 @@ impl<'a> Profile<'a> {
 
     /// Whether a chosen term, or a known one, holds a constant.
     pub fn holds_constant(&self, supports: &[Vec<usize>]) -> bool {
-        let held = |s: &Sought| {
+        let held = |s: &SearchedConstant| {
             let signal = s.signal();
             let mut known = self.equations.iter().flat_map(|e| &e.known);
             known.any(|(_, t)| t.mentions(signal))

@@ -9,7 +9,7 @@
 
 use super::family::Family;
 use super::maxima::{Ascent, Grid};
-use super::sought::{Sought, set_values};
+use super::searched_constant::{SearchedConstant, set_values};
 use super::thresholds::PRICING;
 use crate::dictionary::{Continuum, ContinuumColumns, evaluate};
 use crate::statistics::product;
@@ -67,7 +67,7 @@ pub(super) struct Effort {
 impl<'a> Pursuit<'a> {
     /// `None` where the columns are not finite.
     pub fn new(family: Family<'a>, points: &[Vec<f64>]) -> Option<Pursuit<'a>> {
-        let signals: Vec<_> = family.sought.iter().map(Sought::signal).collect();
+        let signals: Vec<_> = family.sought.iter().map(SearchedConstant::signal).collect();
         let continuum = Continuum {
             library: family.library,
             points: points.len(),

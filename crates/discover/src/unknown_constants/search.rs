@@ -10,7 +10,7 @@ use super::greedy_points;
 use super::profile::{Profile, ProfilePoint};
 use super::proposals::proposals;
 use super::search_points::{alike, apart, search_points};
-use super::sought::{Sought, sought};
+use super::searched_constant::{SearchedConstant, sought};
 use super::thresholds::{PRICING, UNKNOWNS};
 use super::variable_projection::{Projected, project};
 use crate::options::Options;
@@ -80,7 +80,7 @@ pub fn minima(
         starts.truncate(PRICING.starts);
     }
     let by_run = |shared: &[f64]| -> Vec<f64> {
-        let value = |s: &Sought| shared.get(s.place).copied();
+        let value = |s: &SearchedConstant| shared.get(s.place).copied();
         all.iter().filter_map(value).collect()
     };
     if all.iter().any(|s| s.run.is_some()) {

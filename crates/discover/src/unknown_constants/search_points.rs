@@ -2,7 +2,7 @@
 //!
 //! In: the ranges of the constants, the terms that they stand in, samples. Out: points, a value for each constant.
 
-use super::sought::{Sought, set_values};
+use super::searched_constant::{SearchedConstant, set_values};
 use super::thresholds::UNKNOWNS;
 use crate::dictionary::evaluate;
 use sidc_data::Samples;
@@ -11,7 +11,7 @@ use sidc_lang::term::Term;
 /// At most `most` points. For each constant, values so dense that columns of neighbouring values are similar; for several constants all
 /// combinations of these lists, thinned to keep within `most`.
 pub(super) fn search_points(
-    sought: &[Sought],
+    sought: &[SearchedConstant],
     terms: &[Term],
     (samples, most): (&Samples, usize),
 ) -> Vec<Vec<f64>> {

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::profile::Profile;
 use super::search_points::Coordinate;
-use super::sought::set_values;
+use super::searched_constant::set_values;
 use super::thresholds::UNKNOWNS;
 use crate::dictionary::evaluate;
 use sidc_data::Samples;

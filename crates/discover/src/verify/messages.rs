@@ -3,7 +3,7 @@
 //! In: figures and names. Out: text for the user.
 
 use sidc_lang::term::{Language, Term};
-use sidc_system::discovery::{Discovery, Evidence, Proof, VerifiedProof};
+use sidc_system::discovery::{Discovery, Evidence, Proof, RowOrigin, VerifiedProof};
 
 pub fn name(names: &Discovery, term: &Term) -> String {
     Language(names).term(term)
@@ -15,10 +15,12 @@ fn short(x: f64) -> String {
 }
 
 pub fn no_rows(e: &Evidence) -> String {
-    match e.method.is_empty() {
-        true => "anything, since the rows it was found from were not kept".into(),
-        false => {
+    match e.origin {
+        RowOrigin::Integrals { .. } => {
             "anything, since its rows are integrals of the weak form, which are not computed a second time".into()
+        }
+        RowOrigin::Samples | RowOrigin::AllSamples { .. } => {
+            "anything, since the rows it was found from were not kept".into()
         }
     }
 }

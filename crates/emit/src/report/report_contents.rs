@@ -153,20 +153,15 @@ impl<'a> Subject<'a> {
     /// A time as text.
     pub(crate) fn time_text(&self, t: f64) -> String {
         let value = crate::report::markup::number(t, 6);
-        match (self.discovery.discrete, self.discovery.unit(Signal::TIME)) {
-            (true, _) => format!("sample {value}"),
-            (false, Some(unit)) => format!("t = {value} {unit}"),
-            (false, None) => format!("t = {value} s"),
+        match self.discovery.discrete {
+            true => format!("sample {value}"),
+            false => format!("t = {value} {}", self.discovery.time_unit()),
         }
     }
 
     /// A duration as text.
     pub(crate) fn duration_text(&self, t: f64) -> String {
-        let unit = match self.discovery.unit(Signal::TIME) {
-            _ if self.discovery.discrete => "samples".into(),
-            Some(unit) => unit.to_string(),
-            None => "s".into(),
-        };
+        let unit = self.discovery.time_unit();
         format!("{} {unit}", crate::report::markup::number(t, 3))
     }
 }

@@ -4,7 +4,7 @@ use crate::caveats::caveats;
 use crate::code::printer::commented;
 use crate::target::{Target, Written};
 use crate::text::equations::equations;
-use crate::text::matrices::consequences;
+use crate::text::matrices::derived_forms;
 use crate::unknown_constants;
 use sidc_system::discovery::Discovery;
 
@@ -22,6 +22,6 @@ impl Target for Text {
     fn emit(&self, d: &Discovery) -> Result<Written, String> {
         let caveats = commented("# ", caveats(d).into_iter());
         let constants = commented("", unknown_constants::lines(d));
-        Ok((caveats + &equations(d).concat() + &constants + &consequences(d)).into())
+        Ok((caveats + &equations(d).concat() + &constants + &derived_forms(d)).into())
     }
 }

@@ -5,11 +5,15 @@
 use crate::text::layout::column_widths;
 use sidc_lang::number::significant;
 use sidc_system::algebra::Mode;
+use sidc_system::discovery::Discovery;
 
-/// A table: each eigenvalue with its damping, frequency and time constant, the slowest first.
-pub(crate) fn eigenvalues(modes: &[Mode], discrete: bool) -> String {
-    let unit = if discrete { "samples" } else { "s" };
-    let frequency = if discrete { "rad/sample" } else { "rad/s" };
+/// A table: each eigenvalue with its damping, frequency and time constant, the slowest first. In the time unit of `d`.
+pub(crate) fn eigenvalues(d: &Discovery, modes: &[Mode]) -> String {
+    let (unit, discrete) = (d.time_unit(), d.discrete);
+    let frequency = match discrete {
+        true => "rad/sample".to_string(),
+        false => format!("rad/{unit}"),
+    };
     let mut rows = vec![[
         "eigenvalue".to_string(),
         if discrete {

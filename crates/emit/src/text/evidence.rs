@@ -3,7 +3,7 @@
 use sidc_lang::term::SignalNames;
 use sidc_system::discovery::{
     ChannelFit, Discovery, Equation, Evidence, JointEvidence, NormGrading, Proof, Rearranged,
-    Reason, ReasonCode,
+    Reason, ReasonCode, RowOrigin,
 };
 
 use crate::text::layout::{TEXT_WIDTH, wrapped};
@@ -229,9 +229,10 @@ fn fit(e: &Evidence) -> String {
 }
 
 fn scope(e: &Evidence) -> String {
-    let rows = match e.method.as_str() {
-        "" => "rows".into(),
-        method => format!("integrals ({method})"),
+    let rows = match e.origin {
+        RowOrigin::Samples => "rows".into(),
+        RowOrigin::Integrals { .. } => format!("integrals ({})", e.origin),
+        RowOrigin::AllSamples { .. } => format!("rows ({})", e.origin),
     };
     format!("{} terms tried on {} {rows}", e.candidates, e.rows)
 }

@@ -28,11 +28,11 @@ pub fn linearization(
     };
     out.push_str(&format!("\n{law}\n{}", state_space(d, l)));
     out.push_str(&match &near.modes {
-        Some(modes) => format!("\n{}\n", eigenvalues(modes, l.discrete)),
+        Some(modes) => format!("\n{}\n", eigenvalues(d, modes)),
         None => "\nthe eigenvalues were not found: the iteration does not end\n".into(),
     });
     if let (Some(stability), Some(modes)) = (near.stability, &near.modes) {
-        out.push_str(&format!("{}\n", verdict(stability, modes, l)));
+        out.push_str(&format!("{}\n", verdict(d, stability, modes, l)));
     }
     out.push_str(&controllability(d, near));
     out
@@ -109,7 +109,7 @@ fn rest(d: &Discovery, near: &LocalAnalysis) -> String {
 }
 
 /// Stability in a sentence.
-fn verdict(stability: Stability, modes: &[Mode], l: &Linear) -> String {
+fn verdict(d: &Discovery, stability: Stability, modes: &[Mode], l: &Linear) -> String {
     let n = l.states.len();
     let lie = |k: usize| match (k, n) {
         (1, 1) => "the eigenvalue lies".to_string(),
@@ -118,7 +118,7 @@ fn verdict(stability: Stability, modes: &[Mode], l: &Linear) -> String {
         (1, n) => format!("1 of {n} eigenvalues lies"),
         (k, n) => format!("{k} of {n} eigenvalues lie"),
     };
-    let unit = if l.discrete { "samples" } else { "s" };
+    let unit = d.time_unit();
     let slowest = modes.first().and_then(Mode::time_constant);
     let time = slowest.map_or_else(
         || format!("0 {unit}"),

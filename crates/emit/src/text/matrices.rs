@@ -1,9 +1,9 @@
 //! Coupled equations as a matrix equation and solved, linear systems as A and B with their eigenvalues, in plain text.
 //!
-//! In: a discovery. Out: aligned lines; empty if there are no consequences. No term is dropped: an
+//! In: a discovery. Out: aligned lines; empty if there are no derived forms. No term is dropped: an
 //! entry too wide for its cell is written below, by name.
 
-use crate::consequences::{Consequences, CoupledEquations, Solved, simplest_first};
+use crate::derived_forms::{CoupledEquations, DerivedForms, Solved, simplest_first};
 use crate::text::eigenvalues::eigenvalues;
 use crate::text::layout::{LINE_WIDTH, column_widths, one_line_sum, signed_term, sum_lines};
 use sidc_lang::number::significant;
@@ -18,8 +18,8 @@ const CELL_WIDTH: usize = 24;
 
 /// What follows from the equations: coupled equations as a matrix equation and solved, linear systems as A and B with their
 /// eigenvalues, each with a heading after a blank line. Empty for a single or uncoupled nonlinear system.
-pub fn consequences(d: &Discovery) -> String {
-    let derived = Consequences::of(d);
+pub fn derived_forms(d: &Discovery) -> String {
+    let derived = DerivedForms::of(d);
     let mut out = String::new();
     for coupled in &derived.coupled {
         out.push_str(&mass(d, coupled));
@@ -34,7 +34,7 @@ pub fn consequences(d: &Discovery) -> String {
         out.push_str(&format!("\nlinear system, {law}:\n"));
         out.push_str(&state_space(d, linear));
         if let Some(modes) = modes(&linear.a, linear.discrete) {
-            out.push_str(&format!("\n{}", eigenvalues(&modes, linear.discrete)));
+            out.push_str(&format!("\n{}", eigenvalues(d, &modes)));
         }
     }
     if let Some(n) = derived.unprinted_states {

@@ -1,9 +1,9 @@
 //! Coupled equations as a matrix equation and solved, linear systems as A and B, in LaTeX for amsmath.
 //!
-//! In: consequences of a discovery, and a notation. Out: display equations; empty if there are no consequences. No
+//! In: derived forms of a discovery, and a notation. Out: display equations; empty if there are no derived forms. No
 //! term is dropped: long sums are broken into lines.
 
-use crate::consequences::{Consequences, CoupledEquations, Solved, simplest_first};
+use crate::derived_forms::{CoupledEquations, DerivedForms, Solved, simplest_first};
 use sidc_lang::term::{Expr, Notation, Precedence, Signal, Term, write_term};
 use sidc_system::algebra::{Fraction, Linear};
 use sidc_system::discovery::Discovery;
@@ -15,9 +15,9 @@ const MIN_PIECE: usize = 24;
 /// Columns that an amsmath matrix can have.
 const MAX_COLUMNS: usize = 10;
 
-/// All consequences, as display equations.
+/// All derived forms, as display equations.
 pub(crate) fn matrices(d: &Discovery, notation: &impl Notation) -> String {
-    let derived = Consequences::of(d);
+    let derived = DerivedForms::of(d);
     let coupled = derived.coupled.iter();
     let coupled = coupled.map(|t| mass(notation, t) + &solved(notation, t));
     let linear = derived.linear.iter().map(|l| state_space(notation, l));

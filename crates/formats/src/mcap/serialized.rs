@@ -6,7 +6,7 @@
 use crate::budget::Budget;
 use crate::bytes::{Bytes, Number};
 use crate::fault::Fault;
-use crate::moments::scaled;
+use crate::timestamps::scaled;
 use crate::topics::{LONGEST_LIST, Messages, Path};
 
 use super::definition::{Definitions, Dialect, Field, Kind, Length};

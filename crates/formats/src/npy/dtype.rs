@@ -4,7 +4,7 @@ use super::literal::Literal;
 use crate::budget::Budget;
 use crate::bytes::{Number, bits, signed};
 use crate::fault::Fault;
-use crate::moments::from_first;
+use crate::timestamps::from_first;
 use crate::variables::Content;
 use sidc_data::Words;
 

@@ -12,7 +12,7 @@ use sidc_data::Topic;
 use crate::budget::Budget;
 use crate::bytes::Bytes;
 use crate::fault::Fault;
-use crate::moments::scaled;
+use crate::timestamps::scaled;
 use crate::topics::{Logged, joined};
 use layout::{Formats, Layout};
 

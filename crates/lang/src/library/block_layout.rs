@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use crate::library::block::Block;
 use crate::library::candidates::Library;
-use crate::library::sets::graded::{GradedList, bounded_products};
+use crate::library::sets::degree_bounded::{GradedList, bounded_products};
 use crate::library::sets::product::Product;
 use crate::library::sets::selection_rule::{ParityBits, SelectionRule};
 use crate::library::sets::term_list::{LimitExceeded, TermList, products, size};

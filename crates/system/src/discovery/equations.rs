@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::correlations::Correlations;
 use super::hidden_states::HiddenState;
+use super::row_origin::RowOrigin;
 use super::signal_delays::{SignalDelay, stated};
 use super::unknown_values::UnknownValue;
 use crate::discovery::{
@@ -125,9 +126,13 @@ pub struct Evidence {
     pub rows: usize,
     /// Candidate terms N.
     pub candidates: usize,
-    /// How the rows were made, if they are not samples.
-    #[serde(skip_serializing_if = "String::is_empty", default)]
-    pub method: String,
+    /// How the rows were made.
+    #[serde(
+        rename = "method",
+        skip_serializing_if = "RowOrigin::is_samples",
+        default
+    )]
+    pub origin: RowOrigin,
     /// Solver that proposed the support.
     pub solver: String,
     pub iterations: usize,

@@ -14,6 +14,7 @@ mod mass_matrix_form;
 mod method_comparison;
 mod reason;
 mod relation_choices;
+mod row_origin;
 mod run_coefficients;
 mod run_parameters;
 mod signal_delays;
@@ -40,6 +41,7 @@ pub use reason::{Change, Cost, Notice, Reason, ReasonCode, Remedy};
 pub use relation_choices::{
     BetterTargets, FewerTerms, RelationChoices, SparserLaw, TargetChoice, WrittenLaw,
 };
+pub use row_origin::RowOrigin;
 pub use run_coefficients::RunCoefficient;
 pub use run_parameters::RunParameters;
 pub use signal_delays::SignalDelay;

@@ -3,7 +3,7 @@
 //! In: a discovery, data used and data held out, what is asked. Out: a [`Prediction`] for the result. The state at each start is
 //! fitted with the equations to the readings up to it; inputs are as recorded. Never changes equations, never looks at a clock.
 //!
-//! Flow: `horizon` (how far ahead) → `state_estimation` (the state at a start) → `error_growth` (runs from all starts, and errors)
+//! ForcedRightSide: `horizon` (how far ahead) → `state_estimation` (the state at a start) → `error_growth` (runs from all starts, and errors)
 //! with `linear_model` beside it → `figures`, and `bands` → `document`.
 
 mod bands;

@@ -1,7 +1,7 @@
 //! Runs of laws that switch against closed forms, phase by phase: what is between two events is solved by hand, the events by bisection.
 
-use super::compiled::plant::Plant;
-use super::flow::Guard;
+use super::compiled::compiled_system::CompiledSystem;
+use super::forced_right_side::Guard;
 use super::inputs::interpolation::{InputSource, SampledInput};
 use super::integrate::continuous_time::{LegSetup, integrate};
 use super::run::Method;
@@ -29,7 +29,7 @@ fn number(value: f64) -> Expr {
 }
 
 /// Bodies with these accelerations.
-fn bodies(accelerations: &[Expr]) -> Plant {
+fn bodies(accelerations: &[Expr]) -> CompiledSystem {
     let mut form = Form {
         linear: true,
         inputs: vec![INPUT],
@@ -46,11 +46,11 @@ fn bodies(accelerations: &[Expr]) -> Plant {
     form.rows = (accelerations.iter().zip(&form.unknowns))
         .map(|(right, target)| form.row(right.clone(), *target))
         .collect();
-    Plant::new(form).unwrap()
+    CompiledSystem::new(form).unwrap()
 }
 
 /// One state of first order.
-fn first_order(rate: Expr) -> Plant {
+fn first_order(rate: Expr) -> CompiledSystem {
     let mut form = Form {
         linear: true,
         state: vec![Signal::new(VarId(1))],
@@ -59,12 +59,12 @@ fn first_order(rate: Expr) -> Plant {
         ..Form::default()
     };
     form.rows = vec![form.row(rate, form.unknowns[0])];
-    Plant::new(form).unwrap()
+    CompiledSystem::new(form).unwrap()
 }
 
 /// States at the instants, and evaluations. The input is held from instant to instant.
 fn run(
-    plant: &Plant,
+    plant: &CompiledSystem,
     time: &[f64],
     input: &[f64],
     start: &[f64],
@@ -122,7 +122,7 @@ fn instants(count: usize, step: f64) -> Vec<f64> {
 /// Every row within the tolerance of what is known.
 fn agree(
     name: &str,
-    plant: &Plant,
+    plant: &CompiledSystem,
     time: &[f64],
     input: &[f64],
     start: &[f64],

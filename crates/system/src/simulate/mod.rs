@@ -7,7 +7,7 @@ mod compiled;
 mod contiguous_legs;
 mod diagnostics;
 mod fault;
-mod flow;
+mod forced_right_side;
 mod initial_state;
 mod inputs;
 mod integrate;

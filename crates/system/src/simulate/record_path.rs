@@ -2,8 +2,8 @@
 //!
 //! In: a record with its compiled equations and inputs, a leg, the state at its first row. Out: the path up to a fault. Finds no state.
 
-use crate::simulate::compiled::plant::Plant;
-use crate::simulate::flow::Guard;
+use crate::simulate::compiled::compiled_system::CompiledSystem;
+use crate::simulate::forced_right_side::Guard;
 use crate::simulate::inputs::sources::Inputs;
 use crate::simulate::integrate::continuous_time::{LegSetup, integrate};
 use crate::simulate::integrate::discrete_time::{LagSource, iterate};
@@ -16,7 +16,7 @@ use sidc_progress::Observer;
 /// What every integration along a record needs.
 pub(crate) struct RecordPath<'a> {
     pub record: &'a Trajectory,
-    pub plant: &'a Plant,
+    pub plant: &'a CompiledSystem,
     pub drives: &'a Inputs,
     /// Typical sizes of the state.
     pub sizes: &'a [f64],

@@ -5,7 +5,7 @@
 
 use crate::discovery::{Discovery, Form};
 use crate::simulate::Source;
-use crate::simulate::compiled::plant::Plant;
+use crate::simulate::compiled::compiled_system::CompiledSystem;
 use crate::simulate::contiguous_legs::{legs, undefined_outputs};
 use crate::simulate::diagnostics as refuse;
 use crate::simulate::fault::FaultKind;
@@ -52,7 +52,7 @@ pub fn simulate(
     if let Some(empty) = data::keep_window(&mut record, options.window) {
         return Err(empty);
     }
-    let plant = Plant::new(Form::new(d)).map_err(|s| refuse::unknown_signal(d, s))?;
+    let plant = CompiledSystem::new(Form::new(d)).map_err(|s| refuse::unknown_signal(d, s))?;
     let Some(t) = record.trajectories.first().filter(|t| !t.is_empty()) else {
         return Err(refuse::no_rows());
     };
@@ -88,7 +88,7 @@ pub(super) struct RecordSimulation<'a> {
     pub(super) model: &'a Model,
     inputs: &'a Dataset,
     pub(super) record: &'a Trajectory,
-    pub(super) plant: &'a Plant,
+    pub(super) plant: &'a CompiledSystem,
     drives: &'a Inputs,
     /// Typical sizes of the state.
     pub(super) sizes: Vec<f64>,

@@ -2,14 +2,14 @@
 //!
 //! In: a discovery, points. Out: rates and their Jacobian, one point at a time. Integrates nothing.
 
-use super::compiled::plant::{Plant, Workspace};
+use super::compiled::compiled_system::{CompiledSystem, Workspace};
 use crate::discovery::{Discovery, Form};
 use sidc_lang::term::{Signal, SignalNames};
 
 /// ẋ = f(t, x, u), or the next x in discrete time, compiled.
 #[derive(Clone, Debug)]
 pub struct RightSide {
-    plant: Plant,
+    plant: CompiledSystem,
     work: Workspace,
     given: usize,
 }
@@ -25,7 +25,8 @@ impl RightSide {
         if form.state.is_empty() {
             return Err("no equation has a state".into());
         }
-        let plant = Plant::new(form).map_err(|s| format!("nothing gives {}", d.name(s)))?;
+        let plant =
+            CompiledSystem::new(form).map_err(|s| format!("nothing gives {}", d.name(s)))?;
         let work = plant.work();
         let given = plant.form.inputs.len() + plant.form.params.len() + plant.form.history.len();
         Ok(RightSide { plant, work, given })

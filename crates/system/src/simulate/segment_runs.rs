@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use crate::discovery::Form;
 use crate::simulate::Source;
-use crate::simulate::compiled::plant::Plant;
+use crate::simulate::compiled::compiled_system::CompiledSystem;
 use crate::simulate::contiguous_legs::legs;
 use crate::simulate::diagnostics as refuse;
 use crate::simulate::fault::FaultKind;
@@ -25,7 +25,7 @@ use sidc_progress::Observer;
 /// A record with everything that runs along parts of it need.
 pub struct SegmentRuns {
     record: Trajectory,
-    plant: Plant,
+    plant: CompiledSystem,
     drives: Inputs,
     /// Typical sizes of the state.
     sizes: Vec<f64>,
@@ -57,7 +57,7 @@ impl SegmentRuns {
             inputs: source.dataset.inputs.clone(),
             ..Dataset::default()
         };
-        let plant = Plant::new(Form::new(d)).map_err(|s| refuse::unknown_signal(d, s))?;
+        let plant = CompiledSystem::new(Form::new(d)).map_err(|s| refuse::unknown_signal(d, s))?;
         let form = &plant.form;
         let drives = sources::input_sources(d, source.model, &alone, form, &mut Vec::new())?;
         let sizes = form.state.iter().map(|s| sources::size((d, &record), *s));

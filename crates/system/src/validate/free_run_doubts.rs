@@ -24,9 +24,10 @@ pub struct KStepErrors<'a> {
 pub fn doubt<'a>(runs: &'a Validation, predictions: Option<KStepErrors<'a>>, d: &mut Discovery) {
     d.doubt_each(|d, equation| {
         let target = equation.target;
-        let unit = if d.discrete { "samples" } else { "s" };
+        let unit = d.time_unit();
         (0..target.der.max(1)).find_map(|der| {
             let name = d.name(Signal::derivative(target.var, der));
+            let unit = unit.clone();
             let runs = Runs { runs, name, unit };
             let ahead = || predictions.and_then(|p| runs.predicted(p));
             runs.carried().or_else(|| runs.left()).or_else(ahead)
@@ -39,7 +40,7 @@ struct Runs<'a> {
     runs: &'a Validation,
     name: String,
     /// The unit of time in messages.
-    unit: &'static str,
+    unit: String,
 }
 
 impl<'a> Runs<'a> {

@@ -48,14 +48,10 @@ impl Answer<'_> {
     }
 
     fn text(&self) -> String {
-        let (program, measured, d) = (
-            &self.candidate.program,
-            &self.candidate.measured,
-            &self.found.discovery,
-        );
+        let (measured, d) = (&self.candidate.measured, &self.found.discovery);
         let mut text = String::new();
         if !self.others.is_empty() {
-            text.push_str(&comparison_table(self.others, program.model.discrete));
+            text.push_str(&comparison_table(self.others, &d.time_unit()));
             text.push('\n');
         }
         let rows = measured.rows();
@@ -100,7 +96,7 @@ impl Answer<'_> {
         format!(
             "{}{}{}\n{}",
             emit::evidence(d),
-            emit::consequences(d),
+            emit::derived_forms(d),
             runs.unwrap_or_default(),
             signals::describe(&self.candidate.program, &self.candidate.measured)
         )
@@ -131,15 +127,14 @@ impl Answer<'_> {
 }
 
 /// The table of all candidates with their errors.
-fn comparison_table(entries: &[CandidateEntry], discrete: bool) -> String {
+fn comparison_table(entries: &[CandidateEntry], time_unit: &str) -> String {
     let width = entries.iter().map(|e| e.model.chars().count()).max();
     let width = width.unwrap_or(0).max("model".len());
     let seconds = entries.first().map_or(0.0, |e| e.seconds);
     let mut text = format!(
-        "candidates by the error of their free runs on data not used, {} {} long; of those within 1 dB of the least\n\
+        "candidates by the error of their free runs on data not used, {} {time_unit} long; of those within 1 dB of the least\n\
          (or below -100 dB) the one with the fewest terms is best\n",
-        sidc_lang::number::significant(seconds, 3),
-        if discrete { "samples" } else { "s" }
+        sidc_lang::number::significant(seconds, 3)
     );
     text.push_str(&format!("  {:<width$}  terms  error (dB)\n", "model"));
     for e in entries {

@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use crate::arguments::time_ranges::HeldOut;
-use crate::arguments::{assignments, limits, names, quantities, time_ranges};
 use crate::failure::Failure;
 use crate::monitoring::verbosity::Verbosity;
+use crate::option_values::time_ranges::HeldOut;
+use crate::option_values::{assignments, limits, names, quantities, time_ranges};
 use crate::thresholds::MODEL_COMPARISON;
 use sidc::pipeline;
 use sidc::{HoldOutRange, Method, Options};

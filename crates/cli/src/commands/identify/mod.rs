@@ -8,11 +8,11 @@ mod model_comparison;
 mod next_step;
 mod search;
 
-use crate::arguments::time_ranges::HeldOut;
 use crate::failure::Failure;
 use crate::inputs::files::InputFiles;
 use crate::inputs::tables;
 use crate::monitoring::monitor::Monitor;
+use crate::option_values::time_ranges::HeldOut;
 use crate::outputs::signals::counted;
 use crate::outputs::{diagnostics, files};
 use answer::Answer;

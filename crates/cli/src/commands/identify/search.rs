@@ -5,13 +5,13 @@
 use std::path::PathBuf;
 
 use super::arguments::Args;
-use crate::arguments::assignments;
-use crate::arguments::names::hint;
 use crate::failure::Failure;
 use crate::inputs::texts;
 use crate::monitoring::monitor::Monitor;
 use crate::monitoring::stderr;
 use crate::monitoring::verbosity::Notes;
+use crate::option_values::assignments;
+use crate::option_values::names::hint;
 use crate::outputs::diagnostics;
 use crate::outputs::paths::short_name;
 use crate::thresholds::PROGRESS;

@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use crate::arguments::{assignments, names, quantities, time_ranges};
 use crate::exit_status;
 use crate::failure::Failure;
 use crate::inputs::result_and_records::{ResultAndRecords, ResultAndRecordsArgs};
 use crate::monitoring::monitor::Monitor;
+use crate::option_values::{assignments, names, quantities, time_ranges};
 use crate::outputs::{diagnostics, doubts, files, stdout};
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::source::Sources;

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use crate::arguments::{assignments, quantities, time_ranges};
 use crate::exit_status;
 use crate::failure::Failure;
 use crate::inputs::files::InputFiles;
@@ -10,6 +9,7 @@ use crate::inputs::{tables, texts};
 use crate::monitoring::monitor::Monitor;
 use crate::monitoring::progress_line::Work;
 use crate::monitoring::verbosity::Verbosity;
+use crate::option_values::{assignments, quantities, time_ranges};
 use crate::outputs::{diagnostics, files};
 use sidc::pipeline;
 use sidc_data as data;

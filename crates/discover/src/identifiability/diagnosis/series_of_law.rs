@@ -19,7 +19,7 @@ pub fn series_doubt(design: &ScaledDesign, library: &Library) -> Option<Reason> 
     let (residual, error) = (design.evidence.residual, design.evidence.target_error);
     let tiny = residual <= DOUBTS.solver_residual;
     let beyond = error > 0.0 && residual > DOUBTS.misfit * error;
-    let measured = design.evidence.joint.is_none() && design.evidence.method.is_empty();
+    let measured = design.evidence.joint.is_none() && design.evidence.origin.is_samples();
     if !(tiny && beyond && measured) {
         return None;
     }

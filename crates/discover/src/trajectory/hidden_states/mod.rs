@@ -22,7 +22,7 @@ pub(crate) use constant_values::likely_constants;
 pub(crate) use exchanged_parameters::{exchanged_constants, exchanged_lags};
 pub(super) use first_values::between;
 pub(crate) use run_fit::constants_by_runs;
-pub use scale::ToldScale;
+pub use scale::ReportedScale;
 pub(crate) use scale::with_told_scales;
 pub(super) use sensitive_laws::SensitiveLaws;
 pub(crate) use start::{fit_proposed, with_sparsest_offset, with_started_states};

@@ -16,7 +16,7 @@ use sidc_solve::{LinearConstraint, Sense};
 
 /// What fixes the scale of a hidden state.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ToldScale {
+pub struct ReportedScale {
     pub state: Signal,
     /// The law and its term whose coefficient is set, and to what.
     pub target: Signal,
@@ -57,7 +57,7 @@ pub(crate) fn with_told_scales(
     problem: &Problem,
     found: &Found,
     observer: &mut dyn Observer,
-) -> Option<(Problem, Found, Vec<ToldScale>)> {
+) -> Option<(Problem, Found, Vec<ReportedScale>)> {
     let (given, sought) = hidden_laws(problem);
     let laws = given.into_iter().chain(sought);
     let (mut scaled, mut point) = (problem.clone(), found.best.point.clone());
@@ -81,7 +81,11 @@ pub(crate) fn with_told_scales(
 }
 
 /// Multiplies the hidden state of law `l`, so that the coefficient that fixes its scale is ±1.
-fn rescale(problem: &mut Problem, point: &mut LinearizationPoint, l: usize) -> Option<ToldScale> {
+fn rescale(
+    problem: &mut Problem,
+    point: &mut LinearizationPoint,
+    l: usize,
+) -> Option<ReportedScale> {
     let system = &problem.system;
     let law = system.laws[l].clone();
     let var = law.target.var;
@@ -110,7 +114,7 @@ fn rescale(problem: &mut Problem, point: &mut LinearizationPoint, l: usize) -> O
     let set = if signed { 1.0 } else { c.signum() };
     let order = usize::from(law.target.der);
     let n = problem.system.states.len();
-    let told = ToldScale {
+    let told = ReportedScale {
         state: Signal::new(var),
         target: problem.system.laws[problem.system.law_of(first)].target,
         term: problem.term(first).clone(),

@@ -4,7 +4,7 @@
 //! without disturbances explain the readings as well. Disturbances are white, or remember as an autoregression of first order does;
 //! the criterion decides, in which every number that describes them costs as a parameter (Schwarz 1978).
 
-use super::level::{SearchLevel, at_minimum};
+use super::noise_floor_search::{NoiseFloorSearch, at_minimum};
 use super::search_observer::SearchObserver;
 use super::support_search::{Found, Rival, final_criterion, rivals_among};
 use crate::trajectory::likelihood::{Fit, fit, undisturbed_value};
@@ -149,7 +149,7 @@ fn search_from(
 ) -> Option<Found> {
     let criterion = final_criterion(problem);
     let penalty = criterion.penalty;
-    let mut level = SearchLevel::new(problem, criterion);
+    let mut level = NoiseFloorSearch::new(problem, criterion);
     let mut starts = proposals(problem, &start, penalty, observer);
     starts.insert(0, start);
     level.fit(starts, observer);
@@ -172,7 +172,7 @@ fn search_from(
 }
 
 /// Residuals of the best fit over what noise alone may give.
-fn left_by(problem: &Problem, level: &SearchLevel, observer: &mut dyn SearchObserver) -> f64 {
+fn left_by(problem: &Problem, level: &NoiseFloorSearch, observer: &mut dyn SearchObserver) -> f64 {
     let best = level.best.first();
     best.map_or(f64::INFINITY, |fit| observer.left_by(problem, fit))
 }

@@ -9,7 +9,7 @@ mod constant_rivals;
 mod constrained_supports;
 mod disturbed_search;
 mod error_correlations;
-mod level;
+mod noise_floor_search;
 mod omitted_terms;
 mod search_from_fit;
 mod search_observer;

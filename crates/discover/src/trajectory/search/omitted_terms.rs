@@ -3,7 +3,7 @@
 //! In: a problem, what was found, more terms for each law. Out: laws with some of these terms and how much better they are, or
 //! nothing. The same criterion and the same refits decide as in the search.
 
-use super::level::SearchLevel;
+use super::noise_floor_search::NoiseFloorSearch;
 use super::support_search::Found;
 use crate::trajectory::likelihood::PenalizedLikelihood;
 use crate::trajectory::model::Problem;
@@ -45,7 +45,7 @@ pub fn search_beyond_libraries(
     let lowest = SEARCH.floors[SEARCH.floors.len() - 1];
     let more = &extended.problem;
     let criterion = PenalizedLikelihood::at_floor(more, lowest, found.inefficiency);
-    let mut level = SearchLevel::new(more, criterion);
+    let mut level = NoiseFloorSearch::new(more, criterion);
     let start = extended.point(&found.best.point);
     level.fit([start.clone()], observer);
     let before = level.best.first()?.value;

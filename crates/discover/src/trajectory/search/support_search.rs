@@ -3,7 +3,7 @@
 //! In: a problem. Out: the best fit, its rivals, and how many supports were tried. The floor under the noise falls level by level: first
 //! come the few terms that explain most, then those that explain what is left.
 
-use super::level::SearchLevel;
+use super::noise_floor_search::NoiseFloorSearch;
 use super::search_observer::{FitBudget, SearchObserver};
 use crate::trajectory::likelihood::{
     Fit, PenalizedLikelihood, fit, set_variances, undisturbed_value,
@@ -141,7 +141,7 @@ fn explaining_start(
     if start.is_empty() {
         return None;
     }
-    let mut level = SearchLevel::new(problem, final_criterion(problem));
+    let mut level = NoiseFloorSearch::new(problem, final_criterion(problem));
     level.fit([starting_point(problem, start)], observer);
     let fit = level.best.into_iter().next()?;
     let explains = fit.converged && explains_readings(problem, &fit);
@@ -151,7 +151,7 @@ fn explaining_start(
 /// A start along the smoothed readings.
 fn starting_point(problem: &Problem, start: &[(usize, f64)]) -> LinearizationPoint {
     let (support, coefficients) = start.iter().copied().unzip();
-    let level = SearchLevel::new(problem, final_criterion(problem));
+    let level = NoiseFloorSearch::new(problem, final_criterion(problem));
     LinearizationPoint {
         support,
         coefficients,
@@ -312,7 +312,7 @@ pub(super) fn continuation(
     let mut result = None;
     for place in 0..floors.len() {
         let last = place + 1 == floors.len();
-        let mut level = SearchLevel::new(
+        let mut level = NoiseFloorSearch::new(
             problem,
             PenalizedLikelihood::at_floor(problem, floors[place], inefficiency),
         );
@@ -361,7 +361,7 @@ pub(crate) fn last_criterion(problem: &Problem, inefficiency: f64) -> PenalizedL
 
 /// The best fit of the supports that integral matching proposes, under the highest floor.
 pub(crate) fn initial_fit(problem: &Problem, observer: &mut dyn Observer) -> Option<Fit> {
-    let mut level = SearchLevel::new(
+    let mut level = NoiseFloorSearch::new(
         problem,
         PenalizedLikelihood::at_floor(problem, SEARCH.floors[0], 1.0),
     );

@@ -15,13 +15,13 @@ use sidc_lang::term::Signal;
 use sidc_progress::Observer;
 
 /// Inputs along cubics between their samples in place of straight lines.
-pub struct CurvedInputs {
+pub struct CubicInputs {
     /// By how much the criterion prefers them for the terms found; negative if it prefers straight lines.
     pub gain: f64,
     fit: Fit,
 }
 
-impl CurvedInputs {
+impl CubicInputs {
     /// What the readings say of inputs along cubics. `base` has none of the delays of the answer, which is `found` for the problem `at`: the first ones, and
     /// those that inputs along cubics are to have. `None` if no input bends, or if the terms cannot be fitted with them.
     pub fn of(
@@ -29,7 +29,7 @@ impl CurvedInputs {
         [delays, curved_delays]: [&[AppliedDelay]; 2],
         (at, found): (&Problem, &Found),
         observer: &mut dyn Observer,
-    ) -> Option<CurvedInputs> {
+    ) -> Option<CubicInputs> {
         if !bends(base) || !observer.go_on() {
             return None;
         }
@@ -58,7 +58,7 @@ impl CurvedInputs {
             None => free,
             process => fitted(&curved, process.clone())?,
         };
-        Some(CurvedInputs { gain, fit })
+        Some(CubicInputs { gain, fit })
     }
 
     /// Adds to the variances of the coefficients what they owe to straight inputs.

@@ -14,7 +14,7 @@ mod time_shift;
 pub use declared_delays::{DelayEstimate, profile_delays, screen_ranges};
 pub use delay_screening::{DelayProposal, screen_delays};
 pub use input_delay::{DelayedInputs, criterion_without_delay, fit_delay, is_held, with_delay};
-pub use input_interpolation::CurvedInputs;
+pub use input_interpolation::CubicInputs;
 pub use input_lag::{InputLag, find_lag};
 pub use sensor_offset::{SensorOffset, find_sensor_offset};
 pub(crate) use time_shift::step as sampling_interval;

@@ -24,7 +24,7 @@ use thresholds::STRUCTURAL;
 
 /// Parameters that can change together while nothing that is read changes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct UntoldDirection {
+pub struct UnidentifiableDirection {
     /// With the powers by which they change.
     pub parameters: Vec<(Parameter, f64)>,
     /// Whether starts of states change with them.
@@ -35,7 +35,10 @@ pub struct UntoldDirection {
 /// Empty too where it cannot be computed: laws that switch, implicit or constrained ones, very many candidates.
 ///
 /// [`Parameter::Constant`] counts the places of `constants`.
-pub fn untold_directions(problem: &Problem, constants: &[UnknownConstant]) -> Vec<UntoldDirection> {
+pub fn structurally_unidentifiable_directions(
+    problem: &Problem,
+    constants: &[UnknownConstant],
+) -> Vec<UnidentifiableDirection> {
     let Some(system) = SensitiveSystem::of(problem, constants) else {
         return Vec::new();
     };
@@ -64,7 +67,7 @@ pub fn untold_directions(problem: &Problem, constants: &[UnknownConstant]) -> Ve
         None => Parameter::Constant(place),
         Some(column) => Parameter::Coefficient(column),
     };
-    let named = |d: NullDirection| UntoldDirection {
+    let named = |d: NullDirection| UnidentifiableDirection {
         parameters: (d.changes.into_iter())
             .map(|(place, by)| (parameter(place), by))
             .collect(),

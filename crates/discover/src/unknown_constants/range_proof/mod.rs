@@ -17,7 +17,7 @@ use nalgebra::{DMatrix, DVector};
 use super::family::Family;
 use super::pursuit::{self, Effort, Pursuit};
 use super::search_points::search_points;
-use super::sought::{Sought, set_values, sought, values_of};
+use super::searched_constant::{SearchedConstant, set_values, sought, values_of};
 use super::thresholds::{RANGE_PROOF, UNKNOWNS};
 use super::variable_projection::expression_values;
 use crate::dictionary::{compile, evaluate, grades};
@@ -46,11 +46,11 @@ pub fn range_certificates(
     };
     let samples = samples.select(&witness.rows);
     let all = sought(model, &samples);
-    let held = |s: &&Sought| {
+    let held = |s: &&SearchedConstant| {
         let signal = s.signal();
         s.run.is_none() && equation.terms.iter().any(|t| t.term.mentions(signal))
     };
-    let one = |s: &Sought| {
+    let one = |s: &SearchedConstant| {
         let values = values_of(&samples, &[*s])?;
         let value = *values.first()?;
         let case = Case {
@@ -86,7 +86,7 @@ struct Case<'a> {
     /// The rows that the equation was found from, with the values of all constants.
     samples: &'a Samples,
     witness: &'a Witness,
-    sought: [Sought; 1],
+    sought: [SearchedConstant; 1],
     value: f64,
     support: Vec<(usize, f64)>,
 }

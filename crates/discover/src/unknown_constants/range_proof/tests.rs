@@ -5,7 +5,7 @@ use crate::dictionary::evaluate;
 use crate::statistics::norm;
 use crate::unknown_constants::family::Family;
 use crate::unknown_constants::pursuit::{Effort, Pursuit};
-use crate::unknown_constants::sought::Sought;
+use crate::unknown_constants::searched_constant::SearchedConstant;
 use sidc_data::{Column, Origin, Samples};
 use sidc_lang::library::{Grading, Library};
 use sidc_lang::model::UnknownConstant;
@@ -66,13 +66,13 @@ fn at(samples: &Samples, k: f64) -> Samples {
     samples
 }
 
-fn sought() -> [Sought; 1] {
+fn sought() -> [SearchedConstant; 1] {
     let unknown = UnknownConstant {
         var: VarId(1),
         range: Some(RANGE),
         per_run: false,
     };
-    [Sought {
+    [SearchedConstant {
         place: 0,
         unknown,
         run: None,

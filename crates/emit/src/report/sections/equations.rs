@@ -3,7 +3,7 @@
 use crate::report::markup::{Section, lead};
 use crate::report::report_contents::Subject;
 use crate::report::sections::verdict::badge;
-use crate::text::matrices::consequences;
+use crate::text::matrices::derived_forms;
 use crate::text::{disturbance, evidence, relations};
 use crate::typeset::mathml::{MathMl, escape};
 use crate::unknown_constants;
@@ -47,7 +47,7 @@ pub(crate) fn html(s: &Subject) -> Section {
             .collect();
         body.push_str(&format!("<ul class=\"remarks\">{lines}</ul>\n"));
     }
-    let follows = consequences(d);
+    let follows = derived_forms(d);
     if !follows.trim().is_empty() {
         body.push_str(&format!(
             "<h3>What follows from them</h3>\n<pre tabindex=\"0\">{}</pre>\n",

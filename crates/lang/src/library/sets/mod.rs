@@ -5,7 +5,7 @@
 //! equation, inclusion and exclusion, unions, monomials.
 
 pub(crate) mod combinatorics;
-pub(crate) mod graded;
+pub(crate) mod degree_bounded;
 pub(crate) mod inclusion_exclusion;
 pub(crate) mod monomials;
 pub(crate) mod product;

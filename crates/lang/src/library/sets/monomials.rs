@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::library::generators::generator::Exponents;
 use crate::library::sets::combinatorics::binomial;
-use crate::library::sets::graded::{Degrees, GradedList, bounded_products};
+use crate::library::sets::degree_bounded::{Degrees, GradedList, bounded_products};
 use crate::library::sets::product::Product;
 use crate::library::sets::term_list::{LimitExceeded, TermList, components, multiply_out};
 use crate::library::sets::term_set::{TermSet, product_of};

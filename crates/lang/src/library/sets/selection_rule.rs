@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::library::sets::graded::{Degrees, grade};
+use crate::library::sets::degree_bounded::{Degrees, grade};
 use crate::library::sets::term_list::{TermList, size};
 use crate::model::{Model, Symmetry};
 use crate::term::{Parity, Signal, SignalNames, Term};

@@ -1,6 +1,6 @@
 //! The found equations, compiled to be evaluated at one point at a time.
 
 mod compiled_switches;
+pub(crate) mod compiled_system;
 mod gaussian_elimination;
-pub(crate) mod plant;
 mod switched_plant;

@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 
 use crate::discovery::Form;
 use crate::simulate::compiled::compiled_switches::CompiledSwitches;
-use crate::simulate::compiled::plant::{Plant, Workspace};
+use crate::simulate::compiled::compiled_system::{CompiledSystem, Workspace};
 use crate::simulate::fault::FaultKind;
 use crate::switching::thresholds::SWITCHING;
 use crate::switching::{GuardRates, Mode, SlidingRates, least_norm};
@@ -48,7 +48,7 @@ impl CompiledSwitches {
 
 /// Laws at the point in the slots.
 struct AtPoint<'a> {
-    plant: &'a Plant,
+    plant: &'a CompiledSystem,
     switches: &'a CompiledSwitches,
     work: &'a mut Workspace,
 }
@@ -65,7 +65,7 @@ impl GuardRates for AtPoint<'_> {
     }
 }
 
-impl Plant {
+impl CompiledSystem {
     /// q at the point in the slots, and σ of every switch.
     pub(super) fn evaluate_switched(
         &self,
@@ -243,7 +243,7 @@ impl Plant {
         Ok(())
     }
 
-    /// The rates of the margins of guards that are not at zero, after [`Plant::margins`]; 0 for the others.
+    /// The rates of the margins of guards that are not at zero, after [`CompiledSystem::margins`]; 0 for the others.
     pub fn margin_rates(&self, work: &Workspace, out: &mut Vec<f64>) {
         out.clear();
         if let Some(switches) = &self.switches {

@@ -3,9 +3,9 @@
 //! In: a compiled system, its inputs, the rows of a leg, an initial state. Out: state, unknowns and outputs at every
 //! row, up to the end or a fault.
 
-use crate::simulate::compiled::plant::Plant;
+use crate::simulate::compiled::compiled_system::CompiledSystem;
 use crate::simulate::fault::{Fault, FaultKind};
-use crate::simulate::flow::{Ended, Flow, Guard};
+use crate::simulate::forced_right_side::{Ended, ForcedRightSide, Guard};
 use crate::simulate::inputs::interpolation::{InputSegment, InputSource};
 use crate::simulate::integrate::runge_kutta::{Reached, RungeKutta};
 use crate::simulate::integrate::trajectory::Path;
@@ -14,7 +14,7 @@ use crate::simulate::stiff;
 
 /// What stays the same along a leg.
 pub(crate) struct LegSetup<'a> {
-    pub plant: &'a Plant,
+    pub plant: &'a CompiledSystem,
     pub drives: &'a [InputSource],
     /// Instants of the rows.
     pub time: &'a [f64],
@@ -29,7 +29,7 @@ pub(crate) struct LegSetup<'a> {
 
 /// Integrates a leg from `start` at its first row.
 pub(crate) fn integrate(leg: &LegSetup, start: &[f64], guard: &mut Guard) -> Path {
-    let mut flow = Flow::new(leg.plant, leg.params);
+    let mut flow = ForcedRightSide::new(leg.plant, leg.params);
     flow.work.q.copy_from_slice(leg.guess);
     let mut trip = Integration {
         leg,
@@ -52,7 +52,7 @@ pub(crate) fn integrate(leg: &LegSetup, start: &[f64], guard: &mut Guard) -> Pat
 
 struct Integration<'a> {
     leg: &'a LegSetup<'a>,
-    flow: Flow<'a>,
+    flow: ForcedRightSide<'a>,
     x: Vec<f64>,
     explicit: RungeKutta,
     stiff: bool,

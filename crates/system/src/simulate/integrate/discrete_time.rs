@@ -4,7 +4,7 @@
 //! the end or a fault. A lag of a simulated state is its simulated value, before the start the measured one.
 
 use crate::simulate::fault::{Fault, FaultKind};
-use crate::simulate::flow::{Ended, Guard};
+use crate::simulate::forced_right_side::{Ended, Guard};
 use crate::simulate::inputs::interpolation::InputSource;
 use crate::simulate::integrate::continuous_time::LegSetup;
 use crate::simulate::integrate::trajectory::Path;

@@ -2,6 +2,6 @@
 
 pub(crate) mod continuous_time;
 pub(crate) mod discrete_time;
-pub(crate) mod passage;
+pub(crate) mod event_crossing;
 mod runge_kutta;
 pub(crate) mod trajectory;

@@ -6,8 +6,8 @@
 //! Solving Ordinary Differential Equations I, II.4, and II, IV.2.
 
 use crate::simulate::fault::FaultKind;
-use crate::simulate::flow::{Ended, Flow, Guard};
-use crate::simulate::integrate::passage::{Passage, passage};
+use crate::simulate::forced_right_side::{Ended, ForcedRightSide, Guard};
+use crate::simulate::integrate::event_crossing::{EventCrossing, passage};
 use crate::simulate::thresholds::EXPLICIT;
 
 /// Nodes and weights of the Dormand–Prince tableau (c and A), stage by stage.
@@ -100,7 +100,7 @@ impl RungeKutta {
     /// Integrates from `t` to `stop` with error control. With `watch` it also tests for stiffness.
     pub fn advance(
         &mut self,
-        flow: &mut Flow,
+        flow: &mut ForcedRightSide,
         (mut t, stop): (f64, f64),
         x: &mut [f64],
         guard: &mut Guard,
@@ -145,14 +145,14 @@ impl RungeKutta {
                     .passage(flow, (t, h), x, guard)
                     .map_err(|kind| (kind, t))?
                 {
-                    Passage::Free => flow
+                    EventCrossing::Free => flow
                         .begin_step(end, &self.end)
                         .map_err(|kind| (kind, end))?,
-                    Passage::Touches(part) => {
+                    EventCrossing::Touches(part) => {
                         self.h = part * h;
                         continue;
                     }
-                    Passage::Event {
+                    EventCrossing::Event {
                         part,
                         state,
                         switches,
@@ -197,14 +197,14 @@ impl RungeKutta {
     /// What the step that was just tried passes. The state at its end stays in `end`.
     fn passage(
         &mut self,
-        flow: &mut Flow,
+        flow: &mut ForcedRightSide,
         (t, h): (f64, f64),
         x: &[f64],
         guard: &Guard,
-    ) -> Result<Passage, FaultKind> {
+    ) -> Result<EventCrossing, FaultKind> {
         let end = self.end.clone();
         let slopes = self.slopes.clone();
-        let mut state_at = |flow: &mut Flow, part: f64| match part {
+        let mut state_at = |flow: &mut ForcedRightSide, part: f64| match part {
             0.0 => Ok(x.to_vec()),
             part => {
                 self.attempt(flow, (t, t + part * h), x, part * h, guard)?;
@@ -220,7 +220,7 @@ impl RungeKutta {
     /// Integrates from `t` to `stop` in equal steps of at most `h` of the classical method.
     pub fn fixed(
         &mut self,
-        flow: &mut Flow,
+        flow: &mut ForcedRightSide,
         (t, stop): (f64, f64),
         x: &mut [f64],
         guard: &mut Guard,
@@ -246,7 +246,7 @@ impl RungeKutta {
     /// One fixed step, cut at the events within it.
     fn classical_between_events(
         &mut self,
-        flow: &mut Flow,
+        flow: &mut ForcedRightSide,
         t: f64,
         x: &mut [f64],
         (h, guard): (f64, &Guard),
@@ -257,7 +257,7 @@ impl RungeKutta {
             let start = x.to_vec();
             self.classical(flow, from, x, left)?;
             let end = x.to_vec();
-            let mut state_at = |flow: &mut Flow, part: f64| {
+            let mut state_at = |flow: &mut ForcedRightSide, part: f64| {
                 let mut state = start.clone();
                 if part > 0.0 {
                     self.classical(flow, from, &mut state, part * left)?;
@@ -265,11 +265,11 @@ impl RungeKutta {
                 Ok(state)
             };
             match passage(flow, (from, left), &end, &mut state_at)? {
-                Passage::Free | Passage::Touches(_) => {
+                EventCrossing::Free | EventCrossing::Touches(_) => {
                     flow.begin_step(from + left, &end)?;
                     done = 1.0;
                 }
-                Passage::Event {
+                EventCrossing::Event {
                     part,
                     state,
                     switches,
@@ -287,7 +287,7 @@ impl RungeKutta {
     /// Chooses a first step over which the state changes by a hundredth of its size.
     fn first_step(
         &mut self,
-        flow: &mut Flow,
+        flow: &mut ForcedRightSide,
         (t, stop): (f64, f64),
         x: &[f64],
         guard: &Guard,
@@ -304,7 +304,7 @@ impl RungeKutta {
     /// One step of size h from x to `end`. Returns its error estimate, scaled so that 1 is allowed.
     fn attempt(
         &mut self,
-        flow: &mut Flow,
+        flow: &mut ForcedRightSide,
         (t, end): (f64, f64),
         x: &[f64],
         h: f64,
@@ -367,7 +367,7 @@ impl RungeKutta {
 
     fn classical(
         &mut self,
-        flow: &mut Flow,
+        flow: &mut ForcedRightSide,
         t: f64,
         x: &mut [f64],
         h: f64,

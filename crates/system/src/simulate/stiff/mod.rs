@@ -10,8 +10,8 @@ mod radau;
 mod tableau;
 
 use super::fault::FaultKind;
-use super::flow::{Ended, Flow, Guard};
-use super::integrate::passage::{Passage, passage};
+use super::forced_right_side::{Ended, ForcedRightSide, Guard};
+use super::integrate::event_crossing::{EventCrossing, passage};
 use super::thresholds::IMPLICIT;
 use radau::{Outcome, Radau, Span, norm};
 use tableau::STAGES;
@@ -22,7 +22,7 @@ const ERROR_EXPONENT: f64 = 1.0 / (STAGES as f64 + 1.0);
 /// Integrates from `t` to the last of `stops` with the present segments of the inputs. Adds the state at each stop to `reached`; `x` ends as the
 /// state at the last one.
 pub(super) fn advance(
-    flow: &mut Flow,
+    flow: &mut ForcedRightSide,
     (mut t, stops): (f64, &[f64]),
     x: &mut [f64],
     guard: &mut Guard,
@@ -114,7 +114,7 @@ pub(super) fn advance(
 
 /// The first event of the step that was just accepted, as a part of it; the flow begins its next step at the end if there is none.
 fn event(
-    flow: &mut Flow,
+    flow: &mut ForcedRightSide,
     radau: &Radau,
     (from, h): (f64, f64),
     before: &[f64],
@@ -123,19 +123,19 @@ fn event(
     if !flow.has_switches() {
         return Ok(None);
     }
-    let mut state_at = |_: &mut Flow, part: f64| match part {
+    let mut state_at = |_: &mut ForcedRightSide, part: f64| match part {
         0.0 => Ok(before.to_vec()),
         part => Ok(radau.within(part, before)),
     };
     match passage(flow, (from, h), end, &mut state_at)? {
-        Passage::Event { part, switches, .. } => Ok(Some((part, switches))),
-        Passage::Touches(part) => {
+        EventCrossing::Event { part, switches, .. } => Ok(Some((part, switches))),
+        EventCrossing::Touches(part) => {
             // The polynomial tells what is between: one more look there is enough.
             let middle = radau.within(part, before);
             let found = passage(flow, (from, part * h), &middle, &mut |_, within| {
                 Ok(radau.within(within * part, before))
             })?;
-            if let Passage::Event {
+            if let EventCrossing::Event {
                 part: p, switches, ..
             } = found
             {
@@ -143,7 +143,7 @@ fn event(
             }
             flow.begin_step(from + h, end).map(|()| None)
         }
-        Passage::Free => flow.begin_step(from + h, end).map(|()| None),
+        EventCrossing::Free => flow.begin_step(from + h, end).map(|()| None),
     }
 }
 

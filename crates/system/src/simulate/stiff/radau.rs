@@ -8,7 +8,7 @@
 use nalgebra::Complex;
 
 use super::super::fault::FaultKind;
-use super::super::flow::Flow;
+use super::super::forced_right_side::ForcedRightSide;
 use super::super::thresholds::IMPLICIT;
 use super::lu::Lu;
 use super::tableau::{
@@ -98,14 +98,19 @@ impl Radau {
     }
 
     /// The slope of the state at the start of integration; computes the Jacobian there.
-    pub fn begin(&mut self, flow: &mut Flow, t: f64, x: &[f64]) -> Result<&[f64], FaultKind> {
+    pub fn begin(
+        &mut self,
+        flow: &mut ForcedRightSide,
+        t: f64,
+        x: &[f64],
+    ) -> Result<&[f64], FaultKind> {
         flow.rates(t, x, &mut self.slope)?;
         self.differentiate(flow, t, x);
         Ok(&self.slope)
     }
 
     /// Simplified Newton iteration needs no exact Jacobian: where there is none, as for √x at 0, that of an earlier state is used.
-    fn differentiate(&mut self, flow: &mut Flow, t: f64, x: &[f64]) {
+    fn differentiate(&mut self, flow: &mut ForcedRightSide, t: f64, x: &[f64]) {
         if flow.jacobian(t, x, &mut self.trial).is_ok() {
             std::mem::swap(&mut self.jacobian, &mut self.trial);
             self.factored = 0.0;
@@ -117,7 +122,7 @@ impl Radau {
     /// first estimate is too cautious after a jump.
     pub fn attempt(
         &mut self,
-        flow: &mut Flow,
+        flow: &mut ForcedRightSide,
         span: Span,
         x: &[f64],
         scale: &[f64],
@@ -217,7 +222,7 @@ impl Radau {
     /// Simplified Newton iteration for the stages: the number of iterations, or the factor of a step in which it might converge.
     fn newton(
         &mut self,
-        flow: &mut Flow,
+        flow: &mut ForcedRightSide,
         span: Span,
         x: &[f64],
         scale: &[f64],
@@ -269,7 +274,7 @@ impl Radau {
     /// One Newton iteration. Returns its size; 1 is the allowed error of the step.
     fn iterate(
         &mut self,
-        flow: &mut Flow,
+        flow: &mut ForcedRightSide,
         Span { t, end, h }: Span,
         x: &[f64],
         scale: &[f64],

@@ -1,6 +1,6 @@
 //! The right side ẋ = f(t, x) with its inputs, and the guard that limits an integration.
 
-use crate::simulate::compiled::plant::{Plant, Workspace};
+use crate::simulate::compiled::compiled_system::{CompiledSystem, Workspace};
 use crate::simulate::fault::FaultKind;
 use crate::simulate::inputs::interpolation::InputSegment;
 use crate::simulate::thresholds::EXPLICIT;
@@ -12,8 +12,8 @@ use sidc_progress::{Activity, Observer};
 const CALLS_PER_CHECK: u64 = 2048;
 
 /// The right side ẋ = f(t, x) along a stretch on which every input is one segment.
-pub(super) struct Flow<'a> {
-    pub plant: &'a Plant,
+pub(super) struct ForcedRightSide<'a> {
+    pub plant: &'a CompiledSystem,
     pub work: Workspace,
     segments: Vec<InputSegment>,
     /// Inputs that vary along the stretch.
@@ -27,14 +27,14 @@ pub(super) struct Flow<'a> {
     events_at_once: usize,
 }
 
-impl<'a> Flow<'a> {
+impl<'a> ForcedRightSide<'a> {
     /// `params` in the order of the form.
-    pub fn new(plant: &'a Plant, params: &[f64]) -> Flow<'a> {
+    pub fn new(plant: &'a CompiledSystem, params: &[f64]) -> ForcedRightSide<'a> {
         let mut work = plant.work();
         work.is_pinned = true;
         let given: Vec<f64> = vec![0.0; plant.form.inputs.len()];
         plant.give(&mut work, &[&given, params].concat());
-        Flow {
+        ForcedRightSide {
             plant,
             work,
             segments: Vec::new(),

@@ -16,7 +16,7 @@ use sidc_lang::term::{Expr, PointTape, Signal};
 
 /// A compiled system.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Plant {
+pub(crate) struct CompiledSystem {
     pub form: Form,
     /// What the slots hold, in order: time, state, inputs, parameters, history, unknowns, sides of switches.
     pub signals: Vec<Signal>,
@@ -58,9 +58,9 @@ pub(crate) struct Workspace {
     pub calls: u64,
 }
 
-impl Plant {
+impl CompiledSystem {
     /// `Err` is a signal that no argument gives.
-    pub fn new(form: Form) -> Result<Plant, Signal> {
+    pub fn new(form: Form) -> Result<CompiledSystem, Signal> {
         let (smooth, switches) = Switches::of(&form);
         let mut signals = vec![Signal::TIME];
         for part in [&form.state, &form.inputs, &form.params, &form.history] {
@@ -85,7 +85,7 @@ impl Plant {
             }
         }
         let outputs: Vec<Expr> = smooth.outputs.iter().map(|(_, e)| e.clone()).collect();
-        Ok(Plant {
+        Ok(CompiledSystem {
             rates: PointTape::new(&rates, &signals)?,
             slopes: PointTape::new(&slopes, &signals)?,
             outputs: PointTape::new(&outputs, &signals)?,

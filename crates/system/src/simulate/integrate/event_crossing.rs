@@ -3,12 +3,12 @@
 //! In: a step that is exact enough, and the state at any part of it. Out: the first event within it. Never chooses a step.
 
 use crate::simulate::fault::FaultKind;
-use crate::simulate::flow::Flow;
+use crate::simulate::forced_right_side::ForcedRightSide;
 use crate::switching::{Located, Mode, locate};
 
 /// What a step passes.
 #[derive(Clone, Debug)]
-pub(crate) enum Passage {
+pub(crate) enum EventCrossing {
     /// No event.
     Free,
     /// An event of these switches at this part of the step, and the state there.
@@ -22,18 +22,19 @@ pub(crate) enum Passage {
 }
 
 /// The state at a part of the step, from 0 to 1.
-pub(crate) type StateAt<'a> = &'a mut dyn FnMut(&mut Flow, f64) -> Result<Vec<f64>, FaultKind>;
+pub(crate) type StateAt<'a> =
+    &'a mut dyn FnMut(&mut ForcedRightSide, f64) -> Result<Vec<f64>, FaultKind>;
 
 /// The first event of a step from `t` of length `h` to `end`.
 ///
 /// # Errors
 /// Those of the right side.
 pub(crate) fn passage(
-    flow: &mut Flow,
+    flow: &mut ForcedRightSide,
     (t, h): (f64, f64),
     end: &[f64],
     state_at: StateAt,
-) -> Result<Passage, FaultKind> {
+) -> Result<EventCrossing, FaultKind> {
     // A margin that starts slightly below zero by rounding counts as crossed only below that value.
     let floor: Vec<f64> = flow.margins.iter().map(|m| m.min(0.0)).collect();
     let mut margins = Vec::new();
@@ -64,7 +65,7 @@ pub(crate) fn passage(
                 .iter()
                 .copied()
                 .min_by(|a, b| nearest(a).total_cmp(&nearest(b)));
-            Passage::Event {
+            EventCrossing::Event {
                 part,
                 state,
                 switches: first.into_iter().collect(),
@@ -72,7 +73,7 @@ pub(crate) fn passage(
         }
         Located::Start => {
             let state = state_at(flow, 0.0)?;
-            Passage::Event {
+            EventCrossing::Event {
                 part: 0.0,
                 state,
                 switches: crossed,
@@ -83,7 +84,7 @@ pub(crate) fn passage(
 
 /// A guard that falls to zero and rises again within a step shows no change of sign at its end; the cubic through values
 /// and slopes at both ends shows the minimum.
-fn touch(flow: &Flow, end: &[f64], h: f64) -> Passage {
+fn touch(flow: &ForcedRightSide, end: &[f64], h: f64) -> EventCrossing {
     let mut rates = Vec::new();
     flow.margin_rates(&mut rates);
     for (k, mode) in flow.work.modes.0.iter().enumerate() {
@@ -102,8 +103,8 @@ fn touch(flow: &Flow, end: &[f64], h: f64) -> Passage {
         let s = -down / (b + root);
         let least = ((a * s + b) * s + down) * s + from;
         if s > 1e-6 && s < 1.0 - 1e-6 && least < 0.0 {
-            return Passage::Touches(s);
+            return EventCrossing::Touches(s);
         }
     }
-    Passage::Free
+    EventCrossing::Free
 }

@@ -9,7 +9,7 @@ use crate::joint::search_with_constants::Searched;
 use crate::joint::thresholds::JOINT;
 use crate::selection::thresholds::TERM_SELECTION;
 use crate::trajectory::{
-    AppliedDelay, CurvedInputs, Found, Problem, profile_delays, sampling_interval,
+    AppliedDelay, CubicInputs, Found, Problem, profile_delays, sampling_interval,
 };
 use sidc_progress::EquationObserver;
 
@@ -19,7 +19,7 @@ pub(crate) fn curved_inputs(
     delays: &DeclaredDelays,
     searched: &Searched,
     watcher: &mut EquationObserver,
-) -> Option<(CurvedInputs, bool)> {
+) -> Option<(CubicInputs, bool)> {
     let SearchOutcome::Answer(answer) = &searched.outcome else {
         return None;
     };
@@ -34,12 +34,12 @@ pub(crate) fn curved_inputs(
         true => (&[][..], false),
         false => (&all[..], true),
     };
-    let curved = CurvedInputs::of(problem, [known, known], answered, watcher)?;
+    let curved = CubicInputs::of(problem, [known, known], answered, watcher)?;
     let undecided = possible && !known.is_empty() && curved.gain <= TERM_SELECTION.tie;
     if undecided && unexplained(&fit.problem, &fit.found.best) {
         let retimed = retimed(problem, known, answered, watcher);
         let again =
-            retimed.and_then(|d| CurvedInputs::of(problem, [&d[0], &d[1]], answered, watcher));
+            retimed.and_then(|d| CubicInputs::of(problem, [&d[0], &d[1]], answered, watcher));
         return Some((again.unwrap_or(curved), possible));
     }
     Some((curved, possible))

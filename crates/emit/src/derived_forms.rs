@@ -11,7 +11,7 @@ use sidc_system::algebra::{Fraction, Linear, Point, Unsolved};
 use sidc_system::discovery::{Discovery, Form};
 
 /// What follows from the equations.
-pub(crate) struct Consequences {
+pub(crate) struct DerivedForms {
     pub coupled: Vec<CoupledEquations>,
     /// A, B of a linear system with two states or more.
     pub linear: Option<Linear>,
@@ -35,8 +35,8 @@ pub(crate) enum Solved {
     Matrices,
 }
 
-impl Consequences {
-    pub fn of(d: &Discovery) -> Consequences {
+impl DerivedForms {
+    pub fn of(d: &Discovery) -> DerivedForms {
         let valued = Form::new(d);
         let states = match algebra::affine(&valued) {
             true => Linear::without_matrices(&valued).states.len(),
@@ -71,7 +71,7 @@ impl Consequences {
                     },
                 }
             });
-        Consequences {
+        DerivedForms {
             coupled: coupled.collect(),
             linear,
             unprinted_states: Some(states).filter(|n| *n > PRINTED.printed_states),

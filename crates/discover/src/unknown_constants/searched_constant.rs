@@ -8,7 +8,7 @@ use sidc_lang::term::Signal;
 
 /// One number that is sought.
 #[derive(Clone, Copy, Debug)]
-pub struct Sought {
+pub struct SearchedConstant {
     /// The place of the constant among those of the model.
     pub place: usize,
     pub unknown: UnknownConstant,
@@ -17,7 +17,7 @@ pub struct Sought {
 }
 
 /// The numbers that are sought on some samples: constants in order of declaration, those that differ from run to run by run.
-pub fn sought(model: &Model, samples: &Samples) -> Vec<Sought> {
+pub fn sought(model: &Model, samples: &Samples) -> Vec<SearchedConstant> {
     let mut runs = samples.trajectory.clone();
     runs.dedup();
     runs.sort_unstable();
@@ -28,7 +28,7 @@ pub fn sought(model: &Model, samples: &Samples) -> Vec<Sought> {
             true => runs.iter().copied().map(Some).collect(),
             false => vec![None],
         };
-        let one = move |run| Sought {
+        let one = move |run| SearchedConstant {
             place,
             unknown: *unknown,
             run,
@@ -39,9 +39,9 @@ pub fn sought(model: &Model, samples: &Samples) -> Vec<Sought> {
 }
 
 /// One value of each constant for all runs.
-pub(super) fn shared(model: &Model) -> Vec<Sought> {
+pub(super) fn shared(model: &Model) -> Vec<SearchedConstant> {
     let each = model.unknowns.iter().enumerate();
-    let one = |(place, unknown): (usize, &UnknownConstant)| Sought {
+    let one = |(place, unknown): (usize, &UnknownConstant)| SearchedConstant {
         place,
         unknown: *unknown,
         run: None,
@@ -49,7 +49,7 @@ pub(super) fn shared(model: &Model) -> Vec<Sought> {
     each.map(one).collect()
 }
 
-impl Sought {
+impl SearchedConstant {
     pub fn signal(&self) -> Signal {
         Signal::new(self.unknown.var)
     }
@@ -61,13 +61,13 @@ impl Sought {
 }
 
 /// The samples with these values.
-pub fn with_values(samples: &Samples, sought: &[Sought], values: &[f64]) -> Samples {
+pub fn with_values(samples: &Samples, sought: &[SearchedConstant], values: &[f64]) -> Samples {
     let mut samples = samples.clone();
     set_values(&mut samples, sought, values);
     samples
 }
 
-pub(super) fn set_values(samples: &mut Samples, sought: &[Sought], values: &[f64]) {
+pub(super) fn set_values(samples: &mut Samples, sought: &[SearchedConstant], values: &[f64]) {
     let trajectory = &samples.trajectory;
     for (s, value) in sought.iter().zip(values) {
         let own = samples.columns.iter_mut().find(|c| c.signal == s.signal());
@@ -78,8 +78,8 @@ pub(super) fn set_values(samples: &mut Samples, sought: &[Sought], values: &[f64
 }
 
 /// The values that samples have; `None` where they lack a column or a run.
-pub fn values_of(samples: &Samples, sought: &[Sought]) -> Option<Vec<f64>> {
-    let one = |s: &Sought| {
+pub fn values_of(samples: &Samples, sought: &[SearchedConstant]) -> Option<Vec<f64>> {
+    let one = |s: &SearchedConstant| {
         let mut rows = samples.trajectory.iter();
         let row = rows.position(|run| s.holds_in(*run))?;
         samples.column(s.signal())?.values.get(row).copied()
@@ -88,7 +88,11 @@ pub fn values_of(samples: &Samples, sought: &[Sought]) -> Option<Vec<f64>> {
 }
 
 /// The values with the names of their runs. Other runs take the mean.
-pub fn named_values(dataset: &Dataset, sought: &[Sought], values: &[f64]) -> Vec<ConstantValue> {
+pub fn named_values(
+    dataset: &Dataset,
+    sought: &[SearchedConstant],
+    values: &[f64],
+) -> Vec<ConstantValue> {
     let mut all = Vec::new();
     for (s, value) in sought.iter().zip(values) {
         let run = s.run.and_then(|run| dataset.trajectories.get(run as usize));

@@ -16,7 +16,7 @@ use sidc_progress::{Activity, Observer, Stage};
 use sidc_solve::QuadraticForm;
 
 /// The search at one level of the noise floor.
-pub(crate) struct SearchLevel<'a> {
+pub(crate) struct NoiseFloorSearch<'a> {
     problem: &'a Problem,
     pub criterion: PenalizedLikelihood,
     /// Criterion of each support tried; ∞ where the fit failed.
@@ -29,9 +29,9 @@ pub(crate) struct SearchLevel<'a> {
     form: Option<(Vec<usize>, Arc<QuadraticForm>)>,
 }
 
-impl<'a> SearchLevel<'a> {
-    pub fn new(problem: &'a Problem, criterion: PenalizedLikelihood) -> SearchLevel<'a> {
-        SearchLevel {
+impl<'a> NoiseFloorSearch<'a> {
+    pub fn new(problem: &'a Problem, criterion: PenalizedLikelihood) -> NoiseFloorSearch<'a> {
+        NoiseFloorSearch {
             problem,
             criterion,
             tried: BTreeMap::new(),
@@ -236,7 +236,7 @@ impl<'a> SearchLevel<'a> {
             .collect()
     }
 
-    /// As [`SearchLevel::improve`], but fits only supports that are predicted to be better, and only a few.
+    /// As [`NoiseFloorSearch::improve`], but fits only supports that are predicted to be better, and only a few.
     pub fn improve_briefly(&mut self, observer: &mut dyn Observer) {
         let last = self.tried.len() + SEARCH.fits_beyond;
         while self.tried.len() < last && self.may_refit(observer) {
