@@ -58,6 +58,13 @@ impl Model {
                 "there are no data\n  = help: add a table: `Data::new().file(…)` or `.run(…)`";
             return Err(Error::new(ErrorKind::Data, "no-data", text));
         }
+        let records = data.tables.len();
+        if let Some(place) = options.held_out.files.iter().find(|p| **p >= records) {
+            let text = format!(
+                "record {place} is to be held out, and the data have {records}\n  = help: records are counted from 0"
+            );
+            return Err(Error::new(ErrorKind::Options, "unknown-record", text));
+        }
         let mut sources = self.sources.clone();
         let (measured, found) = pipeline::measure(program, data, options, &mut sources, observer);
         let Some(measured) = measured else {

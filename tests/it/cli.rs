@@ -527,7 +527,15 @@ fn list_names_what_there_is() {
 #[test]
 fn every_option_is_documented() {
     let page = file("docs/command-line.md");
-    for command in ["check", "identify", "fmt", "export", "list", "lsp"] {
+    let help = sidc(&["--help"]).stdout;
+    let commands = help.lines().skip_while(|l| *l != "Commands:").skip(1);
+    let commands = commands.take_while(|l| !l.trim().is_empty());
+    let commands: Vec<&str> = commands
+        .filter_map(|l| l.split_whitespace().next())
+        .filter(|c| *c != "help")
+        .collect();
+    assert!(commands.len() > 10, "{commands:?}");
+    for command in commands {
         assert!(page.contains(&format!("## `sidc {command}")), "{command}");
         let help = sidc(&[command, "--help"]).stdout;
         for option in help.split_whitespace().filter(|w| w.starts_with("--")) {

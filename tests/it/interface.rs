@@ -200,3 +200,16 @@ fn libraries_are_listed_anew() {
     assert_eq!(refused.codes(), ["unknown-target"]);
     assert!(model.with_terms(&[("dx2", vec!["x1*("])]).is_err());
 }
+
+#[test]
+fn only_a_record_that_is_there_is_held_out() {
+    let (data, _) = pendulum();
+    let model = Model::named("pendulum.sid", &file("models/pendulum.sid")).unwrap();
+    let error = model.identify(&data, &Options::default().hold_out_run(1));
+    let error = error.unwrap_err();
+    assert_eq!(
+        (error.kind(), error.codes()),
+        (ErrorKind::Options, vec!["unknown-record"])
+    );
+    assert!(error.to_string().contains("the data have 1"), "{error}");
+}

@@ -11,7 +11,7 @@ use sidc_system::discovery::{Discovery, Form};
 use super::symbolic::{
     BOB, CART, G, PIVOT, ROD, Sum, TRACK, at, document, pendulum, read, systems, two_carts,
 };
-use sidc_testing::program::{Run, sidc};
+use sidc_testing::program::{Run, sidc, sidc_in};
 
 fn point(values: &[(Signal, f64)]) -> Point {
     Point(values.iter().copied().collect())
@@ -382,6 +382,33 @@ fn the_text_reads_well() {
         )
     });
     insta::assert_snapshot!(all.concat());
+}
+
+/// An exponential growth of 0.5 a year has a time constant of two years, not of two seconds.
+#[test]
+fn times_are_in_the_unit_of_the_model() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let row = |k: i32| {
+        let t = 0.1 * f64::from(k);
+        format!("{t},{}\n", (0.5 * t).exp())
+    };
+    let rows: String = (0..60).map(row).collect();
+    write("growth.csv", &format!("t,x\n{rows}"));
+    write(
+        "growth.sid",
+        "input t : unit \"year\"\nstate x\ndx ~ <1, x>\n",
+    );
+    let found = ["identify", "growth.sid", "growth.csv", "-q", "-o", "R.json"];
+    assert_eq!(sidc_in(folder.path(), &found).status, 0);
+    let shown = sidc_in(folder.path(), &["linearize", "R.json", "--at", "x=0"]).stdout;
+    for words in [
+        "frequency (rad/year)",
+        "time constant (year)",
+        "grows by e in 2 year",
+    ] {
+        assert!(shown.contains(words), "{words}: {shown}");
+    }
 }
 
 #[test]

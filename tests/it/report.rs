@@ -170,6 +170,40 @@ fn a_page_says_what_is_the_case() {
     stands_alone(&doubted);
 }
 
+/// Every option that decides what a document holds is in the command that a page shows.
+#[test]
+fn the_command_of_a_page_writes_its_document_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = [
+        "--holdout=25%",
+        "--samples=200",
+        "--seed=3",
+        "--window=0..40",
+        "--horizon=2",
+        "--good=7%",
+        "--good=x=0.25",
+        "--prove-sparsest",
+        "--verify",
+        "--path",
+    ];
+    let page = page(folder.path(), "duffing", &options);
+    let first = std::fs::read(folder.path().join("duffing.json")).unwrap();
+    let command = page.lines().find_map(|l| {
+        let at = l.find("sidc identify duffing.sid")?;
+        Some(l[at + "sidc ".len()..].split(['<', '\n']).next().unwrap())
+    });
+    for file in ["duffing.sid", "data/duffing.csv"] {
+        let name = Path::new(file).file_name().unwrap();
+        let from = root().join("models").join(file);
+        std::fs::copy(from, folder.path().join(name)).unwrap();
+    }
+    let arguments: Vec<&str> = command.unwrap().split(' ').collect();
+    let again = sidc_in(folder.path(), &arguments);
+    assert!(matches!(again.status, 0 | 3), "{}", again.stderr);
+    let second = std::fs::read(folder.path().join("duffing.json")).unwrap();
+    assert!(first == second, "{arguments:?}");
+}
+
 #[test]
 fn other_data_are_called_other_data() {
     let folder = tempfile::tempdir().unwrap();

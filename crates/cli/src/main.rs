@@ -1,6 +1,6 @@
 //! The command line: parses the arguments, runs one command, and exits with its status.
 //!
-//! Imports go one way: from here to `commands`, one file or folder per command, and from there to what commands share: `arguments` (values of options),
+//! Imports go one way: from here to `commands`, one file or folder per command, and from there to what commands share: `option_values`,
 //! `inputs` and `outputs` (files, standard output, diagnostics), `monitoring` (progress, limits, Ctrl-C). No command uses another.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]

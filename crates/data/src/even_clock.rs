@@ -8,6 +8,7 @@
 //! times have that error. So windows of samples are fitted by a polynomial over both, and a sign test over the windows decides;
 //! where noise hides the difference, the stamps stay.
 
+use crate::order_statistics::median;
 use std::ops::Range;
 
 use crate::derivatives::OrthonormalBasis;
@@ -57,8 +58,7 @@ pub(crate) fn even_clock(stamps: &[f64], readings: &[&[f64]]) -> Option<EvenCloc
     let (time, step) = even_instants(stamps, &ranges)?;
     let errors: Vec<f64> = stamps.iter().zip(&time).map(|(s, t)| s - t).collect();
     let mut sizes: Vec<f64> = errors.iter().map(|e| e.abs()).collect();
-    sizes.sort_unstable_by(f64::total_cmp);
-    if sizes.get(sizes.len() / 2)? > &(CLOCK.max_scatter * step) {
+    if median(&mut sizes)? > CLOCK.max_scatter * step {
         return None;
     }
     let (mut windows, mut smoother) = (0, 0);
@@ -175,8 +175,7 @@ fn numbers_with_holes(stamps: &[f64], step: f64) -> Vec<f64> {
 fn lasting_delay(stamps: &[f64], k: usize, step: f64) -> f64 {
     let late = |rows: Range<usize>| {
         let mut late: Vec<f64> = rows.map(|i| stamps[i] / step - i as f64).collect();
-        late.sort_unstable_by(f64::total_cmp);
-        late.get(late.len() / 2).copied().unwrap_or(0.0)
+        median(&mut late).unwrap_or(0.0)
     };
     late(k..(k + CLOCK.level).min(stamps.len())) - late(k.saturating_sub(CLOCK.level)..k)
 }

@@ -20,6 +20,7 @@ mod derivatives;
 pub mod draft;
 mod even_clock;
 mod intersample;
+mod order_statistics;
 mod rate_columns;
 mod sample_assembly;
 mod segmentation;
@@ -40,6 +41,7 @@ pub use dataset::{
 pub use delays::{InputValue, KnownDelay, with_acting_inputs, with_true_readings};
 pub use derivatives::{difference_noise, is_smooth};
 pub use intersample::fill_between;
+pub use order_statistics::{MEDIAN_OF_ABS_NORMAL, median, median_step};
 pub use sample_assembly::{Provenance, samples};
 pub use segmentation::{Break, breaks};
 pub use smoothing::{Smoothed, smooth};

@@ -5,7 +5,8 @@
 use crate::thresholds::ROW_WEIGHTS;
 use std::borrow::Cow;
 
-use crate::statistics::{autocorrelation_time, median, norm, rms};
+use crate::statistics::{autocorrelation_time, norm, rms};
+use sidc_data::median;
 use sidc_data::{Origin, Samples};
 use sidc_lang::library::Library;
 use sidc_lang::sensor_noise::SensorNoise;
@@ -48,7 +49,7 @@ impl Weights {
             }
         }
         let error: Vec<f64> = square.iter().map(|e| e.sqrt()).collect();
-        let median_error = median(&error).unwrap_or(0.0);
+        let median_error = median(&mut error.clone()).unwrap_or(0.0);
         let rounding = ROW_WEIGHTS.rounding * size;
         let estimated = median_error > 0.0;
         let row: Vec<f64> = if estimated {

@@ -46,11 +46,10 @@ pub(crate) fn rms(v: &[f64]) -> f64 {
     norm(v) / (v.len().max(1) as f64).sqrt()
 }
 
-/// The median; the upper one of two. `None` without numbers.
-pub(crate) fn median(v: &[f64]) -> Option<f64> {
-    let mut sorted = v.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied()
+/// Whether numbers agree pairwise to this part of the larger of two.
+pub(crate) fn agree(a: &[f64], b: &[f64], part: f64) -> bool {
+    let near = |(a, b): (&f64, &f64)| (a - b).abs() <= part * a.abs().max(b.abs());
+    a.iter().zip(b).all(near)
 }
 
 /// The elementwise product.

@@ -8,12 +8,10 @@
 use super::orthonormal_polynomials::{divided_difference, dot};
 use super::quantization_noise::quantization_noise;
 use super::thresholds::NOISE;
+use crate::order_statistics::{MEDIAN_OF_ABS_NORMAL, median};
 use crate::segmentation::{Segment, breaks_at, segments};
 use crate::series::range;
 use crate::time_axis::{TimeGrid, gaps};
-
-/// Median of |x|, x standard normal.
-pub(crate) const MEDIAN_OF_ABS_NORMAL: f64 = 0.6745;
 
 /// Standard deviation of white noise on `values`, never below their rounding in memory.
 ///
@@ -28,9 +26,10 @@ pub(crate) fn noise_level(grid: &TimeGrid, values: &[f64], segments: &[Segment])
         if left.len() < NOISE.min_differences {
             continue;
         }
-        let middle = left.len() / 2;
-        let (_, median, _) = left.select_nth_unstable_by(middle, f64::total_cmp);
-        let sigma = *median / MEDIAN_OF_ABS_NORMAL;
+        let Some(median) = median(&mut left) else {
+            continue;
+        };
+        let sigma = median / MEDIAN_OF_ABS_NORMAL;
         least = Some(least.map_or(sigma, |l| l.min(sigma)));
     }
     let seen = least.unwrap_or(0.0);
@@ -59,13 +58,8 @@ pub fn difference_noise<'a>(series: impl Iterator<Item = &'a [f64]>) -> f64 {
     let third = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs();
     let all = series.flat_map(|c| c.windows(4).map(third));
     let mut all: Vec<f64> = all.filter(|v| v.is_finite()).collect();
-    if all.is_empty() {
-        return 0.0;
-    }
-    let middle = all.len() / 2;
-    let median = *all.select_nth_unstable_by(middle, f64::total_cmp).1;
     // 1² + 3² + 3² + 1² = 20.
-    median / (20_f64.sqrt() * MEDIAN_OF_ABS_NORMAL)
+    median(&mut all).unwrap_or(0.0) / (20_f64.sqrt() * MEDIAN_OF_ABS_NORMAL)
 }
 
 fn contrasts(grid: &TimeGrid, values: &[f64], segments: &[Segment], k: usize) -> Vec<f64> {

@@ -19,7 +19,7 @@ mod orthonormal_polynomials;
 mod quantization_noise;
 pub(crate) mod thresholds;
 
-pub(crate) use difference_noise::{MEDIAN_OF_ABS_NORMAL, noise_level};
+pub(crate) use difference_noise::noise_level;
 pub use difference_noise::{difference_noise, is_smooth};
 pub(crate) use estimate::{Estimate, Stopped};
 pub(crate) use orthonormal_polynomials::OrthonormalBasis;

@@ -7,7 +7,8 @@ use super::information_smoother::InformationSmoother;
 use super::scaled_channel::{ScaledChannel, uninterrupted};
 use super::smoothing_parameter::{self, Channel, Criterion, Fit};
 use super::thresholds::{SEARCH, SMOOTHING};
-use crate::derivatives::{MEDIAN_OF_ABS_NORMAL, noise_level, quantization_noise};
+use crate::derivatives::{noise_level, quantization_noise};
+use crate::order_statistics::{MEDIAN_OF_ABS_NORMAL, median};
 use crate::segmentation::Segment;
 
 /// A smoothing parameter and the noise it was chosen for.
@@ -158,7 +159,7 @@ impl ScaledChannel<'_> {
                 residuals.push((channel.value(row) - state.mean[0]).abs() / free);
             }
         });
-        quantile(&mut residuals, 0.5) / MEDIAN_OF_ABS_NORMAL
+        median(&mut residuals).unwrap_or(0.0) / MEDIAN_OF_ABS_NORMAL
     }
 }
 

@@ -10,7 +10,7 @@ use super::information_smoother::InformationSmoother;
 use super::noise_selection::{SelectedFit, quantile};
 use super::scaled_channel::ScaledChannel;
 use super::thresholds::OUTLIERS;
-use crate::derivatives::MEDIAN_OF_ABS_NORMAL;
+use crate::order_statistics::{MEDIAN_OF_ABS_NORMAL, median};
 
 // Other quantiles of |x|, x standard normal.
 const QUARTILE_OF_ABS_NORMAL: f64 = 0.3186;
@@ -95,7 +95,7 @@ fn standardised(
 ) -> Vec<f64> {
     let accepted = residuals.iter().zip(weights).filter(|(_, w)| **w > 0.0);
     let mut accepted: Vec<f64> = accepted.map(|(d, _)| *d).collect();
-    let middle = quantile(&mut accepted, 0.5) / MEDIAN_OF_ABS_NORMAL;
+    let middle = median(&mut accepted).unwrap_or(0.0) / MEDIAN_OF_ABS_NORMAL;
     let tail = match selected.is_doubtful() {
         true => OUTLIERS.doubtful_tail * quantile(&mut accepted, 0.95) / P95_OF_ABS_NORMAL,
         false => quantile(&mut accepted, 0.9) / P90_OF_ABS_NORMAL,

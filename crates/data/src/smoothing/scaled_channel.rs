@@ -4,6 +4,7 @@
 
 use super::information_smoother::{Node, STATES, Transition};
 use super::smoothing_parameter::Channel;
+use crate::order_statistics::median_step;
 use crate::segmentation::{Break, Segment, segments};
 use crate::time_axis::TimeGrid;
 
@@ -32,10 +33,7 @@ pub(super) struct ScaledChannel<'a> {
 impl<'a> ScaledChannel<'a> {
     pub(super) fn new(time: &[f64], values: &'a [f64], breaks: &[Break]) -> ScaledChannel<'a> {
         let grid = TimeGrid::new(time);
-        let mut steps: Vec<f64> = grid.time().windows(2).map(|w| w[1] - w[0]).collect();
-        let middle = steps.len() / 2;
-        let (_, step, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
-        let step = *step;
+        let step = median_step([grid.time()]).unwrap_or(1.0);
         let missing: Vec<bool> = values.iter().map(|v| !v.is_finite()).collect();
         let raw = values;
         let (centre, spread) = scale(raw);

@@ -6,8 +6,8 @@
 
 use crate::doubts::thresholds::BADLY_FITTED_ROWS;
 use crate::row_weights::Weights;
-use crate::statistics::median;
 use sidc_data::Samples;
+use sidc_data::median;
 
 /// The rows missed, and the worst of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,7 +67,7 @@ pub(crate) fn median_miss(left: &[f64], weights: &Weights) -> f64 {
         let error = weights.error(row);
         (error > 0.0).then(|| left.abs() / error)
     });
-    median(&misses.collect::<Vec<f64>>()).unwrap_or(0.0)
+    median(&mut misses.collect::<Vec<f64>>()).unwrap_or(0.0)
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ use sidc_progress::Observer;
 pub struct NotJoint {
     /// In words that follow "because".
     pub because: String,
-    /// Whether the readings are noisy and no rate was measured: what is done instead differentiates them.
+    /// Whether the readings are noisy and no rate was measured: the other method would differentiate them.
     pub weaker: bool,
 }
 

@@ -156,8 +156,8 @@ fn at_each<A: Send>(
     done.map(|(_, done)| done).collect()
 }
 
-/// The likeliest of many points, with their constants refined: the weak form gives the terms at each point. One point, or a few for a large
-/// library, where the fit of a guess may not be the winner of the search; the first if the weak form finds no terms anywhere.
+/// The likeliest of many points, their constants refined: the weak form gives the terms at each point. One point; a few for a large library, where
+/// the best guess may lose the search; the first of all points if the weak form finds no terms anywhere.
 fn likeliest(
     (model, libraries): (&Model, &[Option<Library>]),
     (dataset, problem): (&Dataset, &Problem),

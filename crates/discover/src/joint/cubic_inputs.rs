@@ -45,8 +45,8 @@ pub(crate) fn curved_inputs(
     Some((curved, possible))
 }
 
-/// The delays, and those that are likeliest near them for inputs along cubics: where inputs were taken as straight, delays are off by what that errs. Both are
-/// to be compared by the same readings.
+/// The delays, and the likeliest near them for inputs along cubics: delays fitted with straight inputs absorb the error of interpolation. Both are
+/// to be compared on the same readings.
 fn retimed(
     problem: &Problem,
     known: &[AppliedDelay],

@@ -97,7 +97,7 @@ impl DeclaredDelays {
         self.estimates.iter().map(|e| e.delay).collect()
     }
 
-    /// The delays as known ones: no range of other delays is compared any more, for which readings would have to be left out.
+    /// The delays as fixed values. Comparing a range of delays would leave out readings at the ends; these leave out none for that.
     pub fn known(&self) -> Vec<AppliedDelay> {
         let known = |e: &DelayEstimate| AppliedDelay::known(e.delay.var, e.delay.seconds);
         self.estimates.iter().map(known).collect()

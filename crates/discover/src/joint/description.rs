@@ -63,8 +63,8 @@ impl Description {
         self.gain_over(other) > TERM_SELECTION.tie
     }
 
-    /// By how much the criterion prefers this to another: readings that one of them leaves out count as its others do on average, and both count
-    /// as those that this one leaves uncorrelated. −∞ where they cannot be compared.
+    /// By how much the criterion prefers this to another. Both criteria are scaled to the smaller number of readings and divided by the
+    /// inefficiency of this fit. −∞ where they cannot be compared.
     pub fn gain_over(&self, other: &Description) -> f64 {
         let shared = self.readings.min(other.readings);
         let innovations = self.disturbed || other.disturbed;

@@ -93,9 +93,9 @@ fn explained(fit: &JointFit) -> bool {
     !unexplained(&fit.problem, &fit.found.best)
 }
 
-/// Whether white disturbances leave innovations that are no noise either, but follow each other far less than the residuals without them, by
-/// no more terms. What follows itself biases coefficients, so theirs are then the better ones; they stay doubted. So it is
-/// where a record holds the errors of another integrator.
+/// Whether white disturbances, with no more terms, leave innovations that are not white either, but far less autocorrelated than the residuals
+/// without them. Autocorrelated residuals bias coefficients, so those with disturbances are the better ones; they stay doubted. Records with
+/// the errors of another integrator are of this kind.
 fn is_far_whiter(before: &JointFit, disturbed: &JointFit) -> bool {
     let autocorrelation = |fit: &JointFit| {
         let channels = trajectory::channels(&fit.problem, &fit.found.best).into_iter();

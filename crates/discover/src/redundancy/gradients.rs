@@ -7,8 +7,9 @@
 use crate::redundancy::thresholds::REDUNDANCY;
 use nalgebra::DMatrix;
 
-use crate::statistics::{median, rms};
+use crate::statistics::rms;
 use sidc_data::Samples;
+use sidc_data::median;
 use sidc_lang::term::{Expr, Signal, Tape, Term};
 use sidc_solve::simd::dot;
 use sidc_system::discovery::Form;
@@ -166,8 +167,8 @@ impl SampledSignals {
             distance,
             part: distance / rms(&lengths),
             of_unknowns: rms(&of_unknowns),
-            condition: median(&conditions)?,
-            growth: median(&growths)?,
+            condition: median(&mut conditions)?,
+            growth: median(&mut growths)?,
         })
     }
 }

@@ -125,8 +125,8 @@ impl<'a> WeakSystem<'a> {
         self.members.into_iter().filter_map(terms).collect()
     }
 
-    /// First guesses of all equations, without iteration, one for each factor on the cost of a term; with the criterion of all equations, which
-    /// can be compared between values of constants, since no guess whitens the rows. Costs a tenth of [`WeakSystem::terms`].
+    /// First guesses of all equations, not iterated, one for each factor on the cost of a term, with the sum of their criteria. No guess enters
+    /// the whitening of the rows, so these sums can be compared between values of constants. Costs a tenth of [`WeakSystem::terms`].
     pub fn guesses(self, factors: &[f64], watcher: &mut EquationObserver) -> Vec<WeakGuess> {
         let [slack, ..] = WEAK_FORM.initial_slacks;
         let mut guesses = vec![WeakGuess::default(); factors.len()];

@@ -8,7 +8,8 @@ use nalgebra::DMatrix;
 use crate::relations::coupled_laws::Coupled;
 use crate::relations::multiples::Law;
 use crate::relations::thresholds::TARGETS;
-use crate::statistics::{median, rms};
+use crate::statistics::rms;
+use sidc_data::median;
 use sidc_lang::term::{Expr, Term};
 use sidc_system::discovery::{BetterTargets, TargetChoice, WrittenLaw};
 
@@ -82,8 +83,8 @@ fn condition(mass: &Mass, order: &[usize]) -> Option<f64> {
             }
         })
     };
-    let all: Vec<f64> = (0..rows).filter_map(of_row).collect();
-    median(&all)
+    let mut all: Vec<f64> = (0..rows).filter_map(of_row).collect();
+    median(&mut all)
 }
 
 /// Whether a law may be divided by the coefficient of an unknown: it keeps its sign, well away from zero.

@@ -12,6 +12,7 @@ use crate::statistics::norm;
 use crate::thresholds::ROW_WEIGHTS;
 use crate::{Options, Weights, split};
 use sidc_data::Samples;
+use sidc_data::median;
 use sidc_lang::library::Library;
 use sidc_lang::model::{Model, VarKind};
 use sidc_lang::term::{Signal, Term};
@@ -207,8 +208,7 @@ impl<'a> ScaledDesign<'a> {
             let unexplained = own.length * norm(&basis.residual(&own.unit));
             all.extend(found.standard_error.map(|e| e * unexplained));
         }
-        all.sort_by(f64::total_cmp);
-        let sigma = all.get(all.len() / 2).copied().unwrap_or(0.0);
+        let sigma = median(&mut all).unwrap_or(0.0);
         let size = norm(&self.target) / rows.sqrt();
         Noise {
             floor: (sigma * sigma).max((ROW_WEIGHTS.rounding * size).powi(2)),

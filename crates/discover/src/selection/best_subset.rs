@@ -164,8 +164,8 @@ impl BestSubsetSearch {
 
     /// Subsets one change away: for each column dropped (or none), the subset without it and the best additions to that.
     ///
-    /// The columns are projected off the whole support once. Off the support without a column j they have in addition their part along the
-    /// direction of j that the others leave, so that all gains of N columns by a drop cost one product of N columns with that direction.
+    /// The columns are projected off the whole support once. Dropping a column j adds back one direction: the part of j orthogonal to the rest
+    /// of the support. So all gains after that drop cost one product of each of the N columns with it.
     fn neighbours(
         &self,
         support: &[usize],

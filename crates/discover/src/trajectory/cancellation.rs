@@ -17,8 +17,8 @@ const POLL_INTERVAL: Duration = Duration::from_millis(50);
 /// The answer to work once the other is stopped. The observer knows the true reason; this one is not used.
 const CANCELLED: ControlFlow<Stop> = ControlFlow::Break(Stop::Interrupted);
 
-/// `work` on every item, every second one on another thread; the results in the order of the items, without those of items that were
-/// not begun when the observer ended the work.
+/// `work` on every item, on two threads in turn. Results in the order of the items; items that were not begun when the observer ended the
+/// work have none.
 pub(crate) fn each<T: Sync, R: Send>(
     observer: &mut dyn Observer,
     items: &[T],

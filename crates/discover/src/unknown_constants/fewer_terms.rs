@@ -3,8 +3,8 @@
 //! In: the profile and its best point. Out: points with fewer terms.
 //!
 //! Terms of a family can stand for each other: `x` and `x/(1 + r/(1 + x^2/s^2))` together are the same curve for every r, with an s that
-//! follows, and for one r a single term is enough. The profile has a valley there, along which its criterion shows that point only where it
-//! is met, so the constants are sought for each part of the terms.
+//! follows, and for one r a single term is enough. The profile has a valley along r, and its criterion drops only at exactly
+//! that r, so the constants are fitted for each part of the terms.
 
 use super::profile::{Profile, ProfilePoint};
 use super::searched_constant::SearchedConstant;

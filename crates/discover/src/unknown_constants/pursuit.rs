@@ -12,6 +12,7 @@ use super::maxima::{Ascent, Grid};
 use super::searched_constant::{SearchedConstant, set_values};
 use super::thresholds::PRICING;
 use crate::dictionary::{Continuum, ContinuumColumns, evaluate};
+use crate::statistics::agree;
 use crate::statistics::product;
 use sidc_progress::Observer;
 use sidc_solve::dictionary::{Dense, Dictionary, Graded, Grades, Joined};
@@ -124,7 +125,9 @@ impl<'a> Pursuit<'a> {
             }
             let before = self.added.len();
             for peak in found {
-                let new = |a: &Added| a.slot != peak.slot || !same(&a.values, &peak.values);
+                let new = |a: &Added| {
+                    a.slot != peak.slot || !agree(&a.values, &peak.values, PRICING.same)
+                };
                 if peak.size > 1.0 + effort.violation && self.added.iter().all(new) {
                     self.add(peak.slot, &peak.values);
                 }
@@ -247,10 +250,4 @@ struct Peak {
     slot: usize,
     values: Vec<f64>,
     size: f64,
-}
-
-/// Whether two columns of a term are one to rounding.
-fn same(a: &[f64], b: &[f64]) -> bool {
-    let near = |(a, b): (&f64, &f64)| (a - b).abs() <= PRICING.same * a.abs().max(b.abs());
-    a.iter().zip(b).all(near)
 }

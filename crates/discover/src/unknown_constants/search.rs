@@ -143,8 +143,8 @@ fn rough_minima(
     out
 }
 
-/// Values that basis pursuit over the ranges proposes, from every `every`th point, or at which few terms describe the targets: those of the
-/// latter's least criterion.
+/// Values that basis pursuit over the ranges proposes, from every `every`th point, and those at which few terms describe the targets; of both,
+/// the ones with the least criterion of few terms.
 fn proposed(
     profile: &mut Profile,
     points: Vec<Vec<f64>>,

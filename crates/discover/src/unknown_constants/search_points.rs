@@ -5,6 +5,7 @@
 use super::searched_constant::{SearchedConstant, set_values};
 use super::thresholds::UNKNOWNS;
 use crate::dictionary::evaluate;
+use crate::statistics::agree;
 use sidc_data::Samples;
 use sidc_lang::term::Term;
 
@@ -46,18 +47,12 @@ pub(super) fn search_points(
 
 /// Whether two points count as the same minimum.
 pub(crate) fn alike(a: &[f64], b: &[f64]) -> bool {
-    within(a, b, UNKNOWNS.same)
+    agree(a, b, UNKNOWNS.same)
 }
 
 /// Whether two points of the profile may lie in different basins.
 pub(super) fn apart(a: &[f64], b: &[f64]) -> bool {
-    !within(a, b, UNKNOWNS.apart)
-}
-
-/// Whether two points agree to this part of their constants.
-fn within(a: &[f64], b: &[f64], part: f64) -> bool {
-    let near = |(a, b): (&f64, &f64)| (a - b).abs() <= part * a.abs().max(b.abs());
-    a.iter().zip(b).all(near)
+    !agree(a, b, UNKNOWNS.apart)
 }
 
 /// A coordinate along a range: the logarithm between ends of one sign, the value itself otherwise.

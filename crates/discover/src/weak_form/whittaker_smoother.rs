@@ -6,6 +6,7 @@
 
 use super::banded_cholesky::{Banded, BandedCholesky};
 use super::thresholds::WEAK_FORM;
+use sidc_data::median_step;
 
 /// Order of the differences.
 const DIFFERENCE_ORDER: usize = 3;
@@ -63,9 +64,7 @@ struct Roughness {
 
 impl Roughness {
     fn new(time: &[f64]) -> Roughness {
-        let mut steps: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
-        steps.sort_by(f64::total_cmp);
-        let step = steps.get(steps.len() / 2).copied().unwrap_or(1.0);
+        let step = median_step([time]).unwrap_or(1.0);
         let row = |t: &[f64]| {
             let mut out = [0.0; DIFFERENCE_ORDER + 1];
             for (j, weight) in out.iter_mut().enumerate() {

@@ -102,7 +102,7 @@ impl Syntax for Words {
 
 /// Keywords of Julia, and names in the emitted code.
 #[rustfmt::skip]
-const RESERVED: &[&str] = &[
+pub(super) const RESERVED: &[&str] = &[
     "baremodule", "begin", "break", "catch", "const", "continue", "do", "else", "elseif", "end", "export", "false", "finally", "for",
     "function", "global", "if", "import", "in", "isa", "let", "local", "macro", "module", "mutable", "public", "quote", "return", "struct",
     "true", "try", "type", "using", "where", "while", "abstract", "primitive", "im", "pi", "e", "Inf", "NaN",

@@ -41,3 +41,29 @@ pub static TARGETS: &[&dyn Target] = &[
 pub fn target(name: &str) -> Option<&'static dyn Target> {
     TARGETS.iter().copied().find(|t| t.name() == name)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{julia, matlab, modelica, sbml, sympy};
+    use sidc_lang::term::FUNCTIONS;
+
+    /// A variable must not take the name of a function that the code may call.
+    #[test]
+    fn every_function_is_reserved() {
+        for f in FUNCTIONS {
+            let called = [
+                ("Julia", f.name, julia::RESERVED),
+                ("MATLAB", f.spelling.matlab, matlab::RESERVED),
+                ("Modelica", f.name, modelica::RESERVED),
+                ("SBML", f.name, sbml::RESERVED),
+                ("SymPy", f.name, sympy::RESERVED),
+            ];
+            // No variable is called so in the language either, and code computes it by `sign`.
+            for (language, name, reserved) in
+                called.into_iter().filter(|c| !matches!(c.1, "" | "step"))
+            {
+                assert!(reserved.contains(&name), "{language}: {name}");
+            }
+        }
+    }
+}

@@ -244,7 +244,7 @@ fn call(f: Func, arguments: &[String]) -> String {
 
 /// Words that the formula parsers of simulators take for something else.
 #[rustfmt::skip]
-const RESERVED: &[&str] = &[
+pub(super) const RESERVED: &[&str] = &[
     "time", "t", "pi", "avogadro", "delay", "rateOf", "true", "false", "infinity", "notanumber", "exponentiale",
     "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "ln", "sqrt", "abs", "sign", "min", "max",
 ];

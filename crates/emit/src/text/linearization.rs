@@ -192,11 +192,11 @@ fn kink_text(d: &Discovery, b: &NonsmoothPoint, l: &Linear) -> String {
     text
 }
 
-/// The argument of `abs` or `sign`.
+/// The argument of a function of one argument.
 fn argument(b: &NonsmoothPoint) -> Option<&Expr> {
     let (_, term) = b.call.terms().next()?;
     match term.factors().next()? {
-        (Atom::Call(f, args), _) if matches!(f.name, "abs" | "sign" | "step") => args.first(),
+        (Atom::Call(f, args), _) if f.switches() && args.len() == 1 => args.first(),
         _ => None,
     }
 }

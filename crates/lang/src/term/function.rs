@@ -26,6 +26,8 @@ pub struct Function {
     pub spelling: Spelling,
     /// What f(−x) is.
     pub symmetry: Symmetry,
+    /// Whether it bends or jumps somewhere: laws with it switch there.
+    pub smoothness: Smoothness,
     /// What units it takes and gives.
     pub units: UnitRule,
 }
@@ -89,7 +91,27 @@ pub enum Symmetry {
     None,
 }
 
+/// Whether a function or its slope jumps where its argument is zero, or where arguments of several are equal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Smoothness {
+    Smooth,
+    /// The slope jumps.
+    Bends,
+    /// The value jumps.
+    Jumps,
+}
+
 impl Function {
+    /// Whether a law with it switches.
+    pub fn switches(&self) -> bool {
+        self.smoothness != Smoothness::Smooth
+    }
+
+    const fn that(mut self, smoothness: Smoothness) -> Function {
+        self.smoothness = smoothness;
+        self
+    }
+
     const fn even(mut self) -> Function {
         self.symmetry = Symmetry::Even;
         self
@@ -123,6 +145,7 @@ const fn one(
         latex,
         spelling,
         symmetry: Symmetry::None,
+        smoothness: Smoothness::Smooth,
         units: UnitRule::Pure,
     }
 }
@@ -189,11 +212,11 @@ pub static FUNCTIONS: &[Function] = &[
     one("exp",  |x| x[0].exp(),  |x, _| of("exp", &x[0]), "arguments below 709", r"\exp", all("exp")),
     one("log",  |x| x[0].ln(),   |x, _| x[0].clone().pow(-1.0), "positive arguments", r"\ln", spelled("ln", "log", "log", "log", "real_log")),
     one("sqrt", |x| x[0].sqrt(), |x, _| of("sqrt", &x[0]).pow(-1.0).scale(0.5), "arguments of zero or more", r"\sqrt", spelled("sqrt", "sqrt", "sqrt", "sqrt", "real_sqrt")).with_units(UnitRule::Root),
-    one("abs",  |x| x[0].abs(),  |x, _| of("sign", &x[0]), "", r"\operatorname{abs}", spelled("abs", "fabs", "abs", "Abs", "abs")).even().with_units(UnitRule::Kept),
-    one("sign", |x| sign(x[0]),  |_, _| Expr::zero(), "", r"\operatorname{sign}", spelled("sign", "sidc_sign", "sign", "sign", "sign")).odd().with_units(UnitRule::Lost),
-    one("step", |x| step(x[0]), |_, _| Expr::zero(), "", r"\operatorname{step}", spelled("sign", "sidc_sign", "sign", "sign", "sign")).with_units(UnitRule::Lost),
-    Function { name: "min", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::NAN, f64::min), slope: |x, i| extremum_derivative("min", -1.0, x, i), domain: "", latex: r"\min", spelling: spelled("min", "fmin", "fmin", "Min", "min"), symmetry: Symmetry::None, units: UnitRule::Kept },
-    Function { name: "max", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::NAN, f64::max), slope: |x, i| extremum_derivative("max", 1.0, x, i), domain: "", latex: r"\max", spelling: spelled("max", "fmax", "fmax", "Max", "max"), symmetry: Symmetry::None, units: UnitRule::Kept },
+    one("abs",  |x| x[0].abs(),  |x, _| of("sign", &x[0]), "", r"\operatorname{abs}", spelled("abs", "fabs", "abs", "Abs", "abs")).even().that(Smoothness::Bends).with_units(UnitRule::Kept),
+    one("sign", |x| sign(x[0]),  |_, _| Expr::zero(), "", r"\operatorname{sign}", spelled("sign", "sidc_sign", "sign", "sign", "sign")).odd().that(Smoothness::Jumps).with_units(UnitRule::Lost),
+    one("step", |x| step(x[0]), |_, _| Expr::zero(), "", r"\operatorname{step}", spelled("sign", "sidc_sign", "sign", "sign", "sign")).that(Smoothness::Jumps).with_units(UnitRule::Lost),
+    Function { name: "min", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::NAN, f64::min), slope: |x, i| extremum_derivative("min", -1.0, x, i), domain: "", latex: r"\min", spelling: spelled("min", "fmin", "fmin", "Min", "min"), symmetry: Symmetry::None, smoothness: Smoothness::Bends, units: UnitRule::Kept },
+    Function { name: "max", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::NAN, f64::max), slope: |x, i| extremum_derivative("max", 1.0, x, i), domain: "", latex: r"\max", spelling: spelled("max", "fmax", "fmax", "Max", "max"), symmetry: Symmetry::None, smoothness: Smoothness::Bends, units: UnitRule::Kept },
 ];
 
 /// A function by its place in [`FUNCTIONS`].
@@ -215,5 +238,35 @@ impl std::ops::Deref for Func {
 
     fn deref(&self) -> &Function {
         &FUNCTIONS[self.0 as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{FUNCTIONS, Smoothness};
+
+    /// Differences at zero, or at 0.5 where there is no value below zero, between arguments that are equal.
+    #[test]
+    fn functions_bend_and_jump_where_the_table_says() {
+        let h = 1e-6;
+        for f in FUNCTIONS {
+            let values = |centre: f64| {
+                [-h, 0.0, h].map(|off| {
+                    let mut args = vec![centre; f.arity.0];
+                    args[0] += off;
+                    (f.eval)(&args)
+                })
+            };
+            let [below, at, above] = match values(0.0) {
+                v if v.iter().all(|x| x.is_finite()) => v,
+                _ => values(0.5),
+            };
+            let measured = match (above - below, (above - 2.0 * at + below) / h) {
+                (jump, _) if jump.abs() > 0.1 => Smoothness::Jumps,
+                (_, bend) if bend.abs() > 0.1 => Smoothness::Bends,
+                _ => Smoothness::Smooth,
+            };
+            assert_eq!(f.smoothness, measured, "{}", f.name);
+        }
     }
 }

@@ -18,7 +18,7 @@ mod total_order;
 pub use evaluate::{Graph, Node, PointTape, Tape};
 pub use expr::power;
 pub use expr::{Atom, Expr, Term};
-pub use function::{FUNCTIONS, Func, Function, Symmetry, UnitRule};
+pub use function::{FUNCTIONS, Func, Function, Smoothness, Symmetry, UnitRule};
 pub use parity::Parity;
 pub use pretty_print::{Language, Notation, Precedence, write_expr, write_term};
 pub use signal::{Signal, SignalNames, VarId};

@@ -5,8 +5,8 @@
 //!
 //! With |a_j| ≤ B on unit columns and at most K terms, ‖a‖² ≤ K B². A fit within ε is then a fit of the columns [A; √δ I] to the
 //! target [y; 0] within √(ε² + δ K B²), and those columns are independent whatever A is. Their dual basis W, WᵀA = I, turns the
-//! question which columns can be missed into projections: without the columns of C, least squares leaves what it left before and
-//! the projection of the target on the span of W_C.
+//! question which columns can be left out into projections: leaving out the columns of C adds the projection of the target on the
+//! span of W_C to the residual.
 
 use std::sync::Arc;
 

@@ -174,8 +174,7 @@ fn search(
 }
 
 /// The bound assumed on |a|‖φ‖, at least `SPARSEST.largest_share`. It is raised where the terms of a fit are larger, but only as
-/// far as the rounding of the columns, times the bound, stays below the tolerance: whether still larger terms fit, the data do not
-/// decide.
+/// far as the rounding of the columns, times the bound, stays below the tolerance. Beyond that the data cannot decide.
 fn assumed_share(all: &Columns, found: f64) -> f64 {
     let tolerance = all.square.max(0.0).sqrt();
     let decided = SPARSEST.share_rounding * tolerance / SPARSEST.column_rounding;

@@ -63,7 +63,7 @@ fn collect(e: &Expr, calls: &mut BTreeSet<(Func, Vec<Expr>)>) {
             Atom::Sum(inner) => collect(inner, calls),
             Atom::Call(f, args) => {
                 args.iter().for_each(|a| collect(a, calls));
-                if matches!(f.name, "abs" | "sign" | "step" | "min" | "max") {
+                if f.switches() {
                     calls.insert((*f, args.to_vec()));
                 }
             }

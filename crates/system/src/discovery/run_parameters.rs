@@ -136,7 +136,7 @@ fn new_name(variables: &[Variable], from: usize) -> String {
 }
 
 impl FoundTerm {
-    /// Makes the coefficient the mean of those of the runs, each weighing as much as it is known.
+    /// Makes the coefficient the mean of those of the runs, weighted by the inverse of their variances.
     pub fn take_mean(&mut self) {
         let known = |r: &&RunCoefficient| r.standard_error.is_some_and(|e| e > 0.0);
         let weight = |r: &RunCoefficient| r.standard_error.map_or(0.0, |e| e.powi(-2));

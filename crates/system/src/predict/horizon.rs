@@ -83,13 +83,7 @@ fn has_changed(records: &[&Trajectory], s: &Predicted, rows: usize) -> bool {
 
 /// Median time between two rows; 1 without two rows.
 pub(super) fn median_step(records: &[&Trajectory]) -> f64 {
-    let steps = records.iter().flat_map(|t| t.time.windows(2));
-    let mut steps: Vec<f64> = steps.map(|w| w[1] - w[0]).collect();
-    let middle = steps.len() / 2;
-    if steps.is_empty() {
-        return 1.0;
-    }
-    *steps.select_nth_unstable_by(middle, f64::total_cmp).1
+    sidc_data::median_step(records.iter().map(|t| t.time.as_slice())).unwrap_or(1.0)
 }
 
 /// The row so far ahead, to half a step; `None` behind the end or in a gap.

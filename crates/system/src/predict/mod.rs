@@ -35,7 +35,7 @@ pub struct PredictionRequest {
     /// How far ahead, in seconds, in discrete time in samples; absent if the data decide.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub horizon: Option<f64>,
-    /// Largest errors; without any there is nothing to be met.
+    /// Limits of the error, all of which are to be met.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub good: Vec<ErrorLimit>,
 }

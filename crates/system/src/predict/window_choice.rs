@@ -7,6 +7,7 @@ use super::horizon::{Predicted, row_ahead};
 use super::state_estimation::StateEstimator;
 use super::test_starts::TestStart;
 use super::thresholds::STATE_FIT;
+use sidc_data::median;
 use sidc_progress::Observer;
 
 /// What is predicted to choose by: records, starts, signals, how far ahead, and the step of the rows.
@@ -60,11 +61,7 @@ fn score(trial: &Trial, rows: usize, observer: &mut dyn Observer) -> f64 {
 /// Median over the starts that have a score; infinite if none has.
 pub(super) fn median_score(trial: &Trial, of_start: impl FnMut(&TestStart) -> Option<f64>) -> f64 {
     let mut scores: Vec<f64> = trial.starts.iter().filter_map(of_start).collect();
-    let middle = scores.len() / 2;
-    if scores.is_empty() {
-        return f64::INFINITY;
-    }
-    *scores.select_nth_unstable_by(middle, f64::total_cmp).1
+    median(&mut scores).unwrap_or(f64::INFINITY)
 }
 
 /// True if the equations reach the next reading from the reading before it.

@@ -64,24 +64,24 @@ fn first_order(rate: Expr) -> CompiledSystem {
 
 /// States at the instants, and evaluations. The input is held from instant to instant.
 fn run(
-    plant: &CompiledSystem,
+    system: &CompiledSystem,
     time: &[f64],
     input: &[f64],
     start: &[f64],
     how: How,
 ) -> (Vec<Vec<f64>>, u64) {
     let sampled = SampledInput::new(time, input, Between::Hold, 0.0);
-    let drives: Vec<InputSource> = match plant.form.inputs.is_empty() {
+    let drives: Vec<InputSource> = match system.form.inputs.is_empty() {
         true => Vec::new(),
         false => vec![InputSource::SampledInput(sampled.unwrap())],
     };
     let n = start.len();
     let mut observer = Unwatched;
-    let names = plant.form.state.clone();
+    let names = system.form.state.clone();
     let mut guard = Guard::new(vec![1.0; n], vec![1e6; n], names, 5_000_000, &mut observer);
-    let guess = vec![0.0; plant.form.rows.len()];
+    let guess = vec![0.0; system.form.rows.len()];
     let leg = LegSetup {
-        plant,
+        system,
         drives: &drives,
         time,
         sampled: time,
@@ -122,14 +122,14 @@ fn instants(count: usize, step: f64) -> Vec<f64> {
 /// Every row within the tolerance of what is known.
 fn agree(
     name: &str,
-    plant: &CompiledSystem,
+    system: &CompiledSystem,
     time: &[f64],
     input: &[f64],
     start: &[f64],
     known: &dyn Fn(f64) -> Vec<f64>,
 ) {
     for (how, tolerance) in ALL {
-        let (rows, calls) = run(plant, time, input, start, how);
+        let (rows, calls) = run(system, time, input, start, how);
         assert_eq!(rows.len(), time.len(), "{name} {how:?}");
         for (t, row) in time.iter().zip(&rows) {
             for (x, truth) in row.iter().zip(known(*t)) {
@@ -161,7 +161,7 @@ fn bisected(f: &dyn Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
 fn an_oscillator_with_dry_friction_stops() {
     let mu = 0.4;
     let friction = call("sign", [velocity(0)]).scale(-mu);
-    let plant = bodies(&[position(0).scale(-1.0) + friction]);
+    let system = bodies(&[position(0).scale(-1.0) + friction]);
     let known = |t: f64| {
         let (mut x, mut begun) = (5.3f64, 0.0);
         while x.abs() > mu {
@@ -181,7 +181,7 @@ fn an_oscillator_with_dry_friction_stops() {
     let time = instants(90, 0.37);
     agree(
         "oscillator",
-        &plant,
+        &system,
         &time,
         &vec![0.0; 90],
         &[5.3, 0.0],
@@ -195,7 +195,7 @@ fn a_mass_on_a_belt_sticks_and_slips() {
     let (force, rise, belt) = (1.0, 0.15, 0.3);
     let slip = velocity(0) - number(belt);
     let friction = call("sign", [slip.clone()]).scale(-force) + slip.scale(rise);
-    let plant = bodies(&[position(0).scale(-1.0) + friction]);
+    let system = bodies(&[position(0).scale(-1.0) + friction]);
     // Sliding behind the belt: ẍ = −x + s ẋ + F − s V.
     let centre = force - rise * belt;
     let rate = (1.0f64 - 0.25 * rise * rise).sqrt();
@@ -226,13 +226,20 @@ fn a_mass_on_a_belt_sticks_and_slips() {
         }
     };
     let time = instants(120, 0.31);
-    agree("belt", &plant, &time, &vec![0.0; 120], &[0.0, belt], &known);
+    agree(
+        "belt",
+        &system,
+        &time,
+        &vec![0.0; 120],
+        &[0.0, belt],
+        &known,
+    );
 }
 
 /// A block under a force in steps: rests while it is below the friction, slides evenly accelerated, comes to rest again.
 #[test]
 fn a_block_rests_until_the_force_exceeds_its_friction() {
-    let plant = bodies(&[Expr::signal(INPUT) + call("sign", [velocity(0)]).scale(-1.0)]);
+    let system = bodies(&[Expr::signal(INPUT) + call("sign", [velocity(0)]).scale(-1.0)]);
     let forces = [0.9, 1.5, 0.2, 0.2, -0.99, -1.25, 0.0, 0.0, 1.0, 0.3];
     let known = |t: f64| {
         let (mut x, mut v) = (0.0, 0.0f64);
@@ -258,7 +265,7 @@ fn a_block_rests_until_the_force_exceeds_its_friction() {
         vec![x, v]
     };
     let time = instants(10, 1.0);
-    agree("block", &plant, &time, &forces, &[0.0, 0.0], &known);
+    agree("block", &system, &time, &forces, &[0.0, 0.0], &known);
 }
 
 /// ẏ̇ = −g − step(−y)(k y + c ẏ): parabolas, and damped sines while the ball touches the floor.
@@ -267,7 +274,7 @@ fn a_ball_bounces_on_a_springy_floor() {
     let (g, k, c) = (9.81, 4000.0f64, 6.0);
     let floor = call("step", [position(0).scale(-1.0)]);
     let force = position(0).scale(k) + velocity(0).scale(c);
-    let plant = bodies(&[number(-g) + (floor * force).scale(-1.0)]);
+    let system = bodies(&[number(-g) + (floor * force).scale(-1.0)]);
     let rate = (k - 0.25 * c * c).sqrt();
     let pressed = move |v0: f64, t: f64| {
         let (sin, cos, fall) = ((rate * t).sin(), (rate * t).cos(), (-0.5 * c * t).exp());
@@ -299,7 +306,7 @@ fn a_ball_bounces_on_a_springy_floor() {
     };
     // Each contact takes a twentieth of a second, less than from row to row.
     let time = instants(40, 0.11);
-    agree("ball", &plant, &time, &vec![0.0; 40], &[1.0, 0.0], &known);
+    agree("ball", &system, &time, &vec![0.0; 40], &[1.0, 0.0], &known);
 }
 
 /// ẋ = −x/2 + 2 step(1 − x) rises to the threshold and slides along it; a dead zone has two bends.
@@ -307,12 +314,12 @@ fn a_ball_bounces_on_a_springy_floor() {
 fn a_relay_slides_and_a_dead_zone_bends() {
     let x = || Expr::signal(Signal::new(VarId(1)));
     let relay = call("step", [number(1.0) - x()]).scale(2.0);
-    let plant = first_order(x().scale(-0.5) + relay);
+    let system = first_order(x().scale(-0.5) + relay);
     let known = |t: f64| vec![(4.0 - 3.8 * (-0.5 * t).exp()).min(1.0)];
-    agree("relay", &plant, &instants(40, 0.05), &[], &[0.2], &known);
+    agree("relay", &system, &instants(40, 0.05), &[], &[0.2], &known);
     // ẋ = −max(x − 1, 0) − 1: exponential down to 1, then straight.
     let zone = call("max", [x() - number(1.0), number(0.0)]);
-    let plant = first_order(zone.scale(-1.0) - number(1.0));
+    let system = first_order(zone.scale(-1.0) - number(1.0));
     let known = |t: f64| {
         let down = 3.0f64.ln();
         vec![if t < down {
@@ -323,7 +330,7 @@ fn a_relay_slides_and_a_dead_zone_bends() {
     };
     agree(
         "dead zone",
-        &plant,
+        &system,
         &instants(40, 0.07),
         &[],
         &[3.0],
@@ -344,12 +351,12 @@ fn coupled_contacts_stick_one_by_one() {
         spring(1, 0) + spring(1, 2) + dry(1, 0.3) + rate(0).scale(0.2),
         spring(2, 1) + dry(2, 0.4) + call("sign", [velocity(2) - velocity(1)]).scale(-0.1),
     ];
-    let plant = bodies(&laws);
+    let system = bodies(&laws);
     let start = [2.0, 0.0, -1.0, 0.5, 1.5, 0.0];
     let time = instants(240, 0.25);
     let zeros = vec![0.0; 240];
-    let (explicit, _) = run(&plant, &time, &zeros, &start, How::Explicit);
-    let (stiff, _) = run(&plant, &time, &zeros, &start, How::Stiff);
+    let (explicit, _) = run(&system, &time, &zeros, &start, How::Explicit);
+    let (stiff, _) = run(&system, &time, &zeros, &start, How::Stiff);
     for (a, b) in explicit.iter().zip(&stiff) {
         for (x, y) in a.iter().zip(b) {
             assert!((x - y).abs() < 1e-7, "{a:?} {b:?}");

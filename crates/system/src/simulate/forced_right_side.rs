@@ -13,7 +13,7 @@ const CALLS_PER_CHECK: u64 = 2048;
 
 /// The right side ẋ = f(t, x) along a stretch on which every input is one segment.
 pub(super) struct ForcedRightSide<'a> {
-    pub plant: &'a CompiledSystem,
+    pub system: &'a CompiledSystem,
     pub work: Workspace,
     segments: Vec<InputSegment>,
     /// Inputs that vary along the stretch.
@@ -29,13 +29,13 @@ pub(super) struct ForcedRightSide<'a> {
 
 impl<'a> ForcedRightSide<'a> {
     /// `params` in the order of the form.
-    pub fn new(plant: &'a CompiledSystem, params: &[f64]) -> ForcedRightSide<'a> {
-        let mut work = plant.work();
+    pub fn new(system: &'a CompiledSystem, params: &[f64]) -> ForcedRightSide<'a> {
+        let mut work = system.work();
         work.is_pinned = true;
-        let given: Vec<f64> = vec![0.0; plant.form.inputs.len()];
-        plant.give(&mut work, &[&given, params].concat());
+        let given: Vec<f64> = vec![0.0; system.form.inputs.len()];
+        system.give(&mut work, &[&given, params].concat());
         ForcedRightSide {
-            plant,
+            system,
             work,
             segments: Vec::new(),
             moving: Vec::new(),
@@ -52,7 +52,7 @@ impl<'a> ForcedRightSide<'a> {
         self.segments.extend(segments);
         self.moving.clear();
         for (i, segment) in self.segments.iter().enumerate() {
-            self.plant.give_one(&mut self.work, i, segment.value);
+            self.system.give_one(&mut self.work, i, segment.value);
             self.work.input_slopes[i] = segment.slope;
             if segment.moves() {
                 self.moving.push(i);
@@ -68,26 +68,26 @@ impl<'a> ForcedRightSide<'a> {
     #[inline]
     pub fn rates(&mut self, t: f64, x: &[f64], out: &mut [f64]) -> Result<(), FaultKind> {
         self.at(t);
-        self.plant.rates(&mut self.work, t, x, out)
+        self.system.rates(&mut self.work, t, x, out)
     }
 
     /// ∂ẋ/∂x, n × n by rows.
     pub fn jacobian(&mut self, t: f64, x: &[f64], out: &mut [f64]) -> Result<(), FaultKind> {
         self.at(t);
-        self.plant.jacobian(&mut self.work, t, x, out)
+        self.system.jacobian(&mut self.work, t, x, out)
     }
 
     /// Unknowns and outputs at a point.
     pub fn unknowns(&mut self, t: f64, x: &[f64]) -> Result<(&[f64], Vec<f64>), FaultKind> {
         self.at(t);
-        self.plant.solve(&mut self.work, t, x)?;
-        let outputs = self.plant.outputs(&mut self.work);
+        self.system.solve(&mut self.work, t, x)?;
+        let outputs = self.system.outputs(&mut self.work);
         Ok((&self.work.q, outputs))
     }
 
     /// Whether a law switches along the way.
     pub fn has_switches(&self) -> bool {
-        self.plant.has_switches()
+        self.system.has_switches()
     }
 
     /// Sets the side of every switch after the inputs or the state jumped, or after `events`. `sizes`: typical sizes of the states.
@@ -102,10 +102,10 @@ impl<'a> ForcedRightSide<'a> {
         }
         self.at(t);
         if self.guard_sizes.is_empty() {
-            self.guard_sizes = self.plant.guard_sizes(&mut self.work, x, sizes);
+            self.guard_sizes = self.system.guard_sizes(&mut self.work, x, sizes);
         }
         let sizes = &self.guard_sizes;
-        self.plant.settle(&mut self.work, (t, x), sizes, events)?;
+        self.system.settle(&mut self.work, (t, x), sizes, events)?;
         self.begin_step(t, x)
     }
 
@@ -128,7 +128,7 @@ impl<'a> ForcedRightSide<'a> {
         }
         self.settle((t, x), sizes, switches)?;
         if part == 0.0 && self.work.modes == before {
-            self.plant.cross(&mut self.work, (switches, &sides), end);
+            self.system.cross(&mut self.work, (switches, &sides), end);
             self.begin_step(t, x)?;
         }
         Ok(())
@@ -140,7 +140,7 @@ impl<'a> ForcedRightSide<'a> {
         let found = self.margins(t, x, &mut margins);
         self.margins = margins;
         let mut rates = std::mem::take(&mut self.margin_rates);
-        self.plant.margin_rates(&self.work, &mut rates);
+        self.system.margin_rates(&self.work, &mut rates);
         self.margin_rates = rates;
         found
     }
@@ -151,19 +151,19 @@ impl<'a> ForcedRightSide<'a> {
         for i in &self.moving {
             self.work.input_slopes[*i] = self.segments[*i].slope_at(t);
         }
-        self.plant.margins(&mut self.work, t, x, out)
+        self.system.margins(&mut self.work, t, x, out)
     }
 
     /// The rates of the margins where they were last evaluated.
     pub fn margin_rates(&self, out: &mut Vec<f64>) {
-        self.plant.margin_rates(&self.work, out);
+        self.system.margin_rates(&self.work, out);
     }
 
     #[inline]
     fn at(&mut self, t: f64) {
         for i in &self.moving {
             let value = self.segments[*i].at(t);
-            self.plant.give_one(&mut self.work, *i, value);
+            self.system.give_one(&mut self.work, *i, value);
         }
     }
 }

@@ -16,7 +16,7 @@ use sidc_progress::Observer;
 /// What every integration along a record needs.
 pub(crate) struct RecordPath<'a> {
     pub record: &'a Trajectory,
-    pub plant: &'a CompiledSystem,
+    pub system: &'a CompiledSystem,
     pub drives: &'a Inputs,
     /// Typical sizes of the state.
     pub sizes: &'a [f64],
@@ -36,7 +36,7 @@ impl RecordPath<'_> {
         (begin, budget): (usize, u64),
         observer: &mut dyn Observer,
     ) -> Path {
-        let state = self.plant.form.state.clone();
+        let state = self.system.form.state.clone();
         let largest = self.sizes.iter().zip(x).map(|(s, x)| s.max(x.abs()));
         // An infinite bound would never be exceeded.
         let bounds = largest.map(|s| (BUDGET.blow_up * s).min(f64::MAX));
@@ -59,7 +59,7 @@ impl RecordPath<'_> {
 
     /// The source of each lag of a run from the row `begin`.
     fn lags(&self, begin: usize) -> Vec<(Signal, LagSource<'_>)> {
-        let form = &self.plant.form;
+        let form = &self.system.form;
         let source = |s: &Signal| {
             let base = Signal::new(s.var);
             match form.state.iter().position(|x| *x == base) {

@@ -52,7 +52,7 @@ pub fn simulate(
     if let Some(empty) = data::keep_window(&mut record, options.window) {
         return Err(empty);
     }
-    let plant = CompiledSystem::new(Form::new(d)).map_err(|s| refuse::unknown_signal(d, s))?;
+    let system = CompiledSystem::new(Form::new(d)).map_err(|s| refuse::unknown_signal(d, s))?;
     let Some(t) = record.trajectories.first().filter(|t| !t.is_empty()) else {
         return Err(refuse::no_rows());
     };
@@ -65,14 +65,14 @@ pub fn simulate(
         return Err(refuse::steps(h, long / h, BUDGET.fixed_steps));
     }
     let mut notes = Vec::new();
-    let drives = sources::input_sources(d, source.model, &record, &plant.form, &mut notes)?;
-    let sizes = plant.form.state.iter().map(|s| sources::size((d, t), *s));
+    let drives = sources::input_sources(d, source.model, &record, &system.form, &mut notes)?;
+    let sizes = system.form.state.iter().map(|s| sources::size((d, t), *s));
     let whole = RecordSimulation {
         d,
         model: source.model,
         inputs: &record,
         record: t,
-        plant: &plant,
+        system: &system,
         drives: &drives,
         sizes: sizes.collect(),
         options,
@@ -88,7 +88,7 @@ pub(super) struct RecordSimulation<'a> {
     pub(super) model: &'a Model,
     inputs: &'a Dataset,
     pub(super) record: &'a Trajectory,
-    pub(super) plant: &'a CompiledSystem,
+    pub(super) system: &'a CompiledSystem,
     drives: &'a Inputs,
     /// Typical sizes of the state.
     pub(super) sizes: Vec<f64>,
@@ -110,7 +110,7 @@ impl RecordSimulation<'_> {
             inputs: self.applied(rows),
             ..Run::default()
         };
-        let driven = !self.plant.form.inputs.is_empty();
+        let driven = !self.system.form.inputs.is_empty();
         let legs = legs(&self.record.time, self.d.discrete, driven);
         let mut end = 0;
         for (i, range) in legs.iter().enumerate() {
@@ -133,7 +133,7 @@ impl RecordSimulation<'_> {
             notes.push(refuse::restarts(run.legs.len() - 1));
         }
         run.cut(end);
-        notes.extend(undefined_outputs(self.d, &self.plant.form, &run));
+        notes.extend(undefined_outputs(self.d, &self.system.form, &run));
         self.compare(&mut run);
         Ok(run)
     }
@@ -141,7 +141,7 @@ impl RecordSimulation<'_> {
     /// Signals that are simulated: state, unknowns, outputs. In discrete time the unknowns are the next state, and
     /// left out.
     fn names(&self) -> Vec<Signal> {
-        let f = &self.plant.form;
+        let f = &self.system.form;
         let mut names = f.state.clone();
         if !self.d.discrete {
             names.extend(&f.unknowns);
@@ -152,14 +152,14 @@ impl RecordSimulation<'_> {
 
     /// Empty columns for the inputs that are not shifted in time.
     fn applied(&self, rows: usize) -> Vec<(Signal, Vec<f64>)> {
-        let inputs = &self.plant.form.inputs;
+        let inputs = &self.system.form.inputs;
         let plain = self.plain().into_iter().filter_map(|i| inputs.get(i));
         plain.map(|s| (*s, vec![f64::NAN; rows])).collect()
     }
 
     /// Indices of the inputs that are not shifted in time.
     fn plain(&self) -> Vec<usize> {
-        let inputs = self.plant.form.inputs.iter().enumerate();
+        let inputs = self.system.form.inputs.iter().enumerate();
         let plain = inputs.filter(|(_, s)| s.shift == 0);
         plain.map(|(i, _)| i).collect()
     }
@@ -181,7 +181,7 @@ impl RecordSimulation<'_> {
         observer: &mut dyn Observer,
     ) -> Result<Leg, Diagnostic> {
         let given: &[(Signal, f64)] = if first { &self.options.start } else { &[] };
-        let form = &self.plant.form;
+        let form = &self.system.form;
         let lags = form.history.iter().map(|s| s.shift.unsigned_abs() as usize);
         let lags = lags.max().unwrap_or(0);
         let candidates = |rows: std::ops::Range<usize>| {
@@ -225,7 +225,7 @@ impl RecordSimulation<'_> {
         guess: &'b [f64],
     ) -> continuous_time::LegSetup<'b> {
         continuous_time::LegSetup {
-            plant: self.plant,
+            system: self.system,
             drives: &self.drives.inputs,
             time: &self.record.time[rows],
             sampled: &self.record.time,
@@ -238,7 +238,7 @@ impl RecordSimulation<'_> {
 
     /// An initial guess of the unknowns for Newton's method, measured or estimated.
     fn guess(&self, part: &Dataset, row: usize) -> Vec<f64> {
-        let form = &self.plant.form;
+        let form = &self.system.form;
         let near = |s: &Signal| {
             let values = candidates::series(self.model, part, *s)?.0;
             values.get(row).copied().filter(|v| v.is_finite())
@@ -273,7 +273,7 @@ impl RecordSimulation<'_> {
     ) -> Path {
         let along = RecordPath {
             record: self.record,
-            plant: self.plant,
+            system: self.system,
             drives: self.drives,
             sizes: &self.sizes,
             discrete: self.d.discrete,

@@ -9,7 +9,7 @@ use sidc_lang::term::{Signal, SignalNames};
 /// ẋ = f(t, x, u), or the next x in discrete time, compiled.
 #[derive(Clone, Debug)]
 pub struct RightSide {
-    plant: CompiledSystem,
+    system: CompiledSystem,
     work: Workspace,
     given: usize,
 }
@@ -25,30 +25,34 @@ impl RightSide {
         if form.state.is_empty() {
             return Err("no equation has a state".into());
         }
-        let plant =
+        let system =
             CompiledSystem::new(form).map_err(|s| format!("nothing gives {}", d.name(s)))?;
-        let work = plant.work();
-        let given = plant.form.inputs.len() + plant.form.params.len() + plant.form.history.len();
-        Ok(RightSide { plant, work, given })
+        let work = system.work();
+        let given = system.form.inputs.len() + system.form.params.len() + system.form.history.len();
+        Ok(RightSide {
+            system,
+            work,
+            given,
+        })
     }
 
     /// x, n components.
     pub fn states(&self) -> Vec<Signal> {
-        self.plant.form.state.clone()
+        self.system.form.state.clone()
     }
 
     /// u, m components: inputs, parameters, lagged samples.
     pub fn inputs(&self) -> Vec<Signal> {
-        let form = &self.plant.form;
+        let form = &self.system.form;
         let all = [&form.inputs, &form.params, &form.history];
         all.into_iter().flatten().copied().collect()
     }
 
     /// f at a point into `out`, length n; NaN where it has no value.
     pub fn rates(&mut self, t: f64, x: &[f64], u: &[f64], out: &mut [f64]) {
-        let n = self.plant.states();
+        let n = self.system.states();
         let is_solved =
-            self.give(x, u, out.len() == n) && self.plant.rates(&mut self.work, t, x, out).is_ok();
+            self.give(x, u, out.len() == n) && self.system.rates(&mut self.work, t, x, out).is_ok();
         if !is_solved {
             out.fill(f64::NAN);
         }
@@ -56,9 +60,9 @@ impl RightSide {
 
     /// ∂f/∂x at a point into `out`, n × n by rows; NaN where it has no value.
     pub fn jacobian(&mut self, t: f64, x: &[f64], u: &[f64], out: &mut [f64]) {
-        let n = self.plant.states();
+        let n = self.system.states();
         let is_solved = self.give(x, u, out.len() == n * n)
-            && self.plant.jacobian(&mut self.work, t, x, out).is_ok();
+            && self.system.jacobian(&mut self.work, t, x, out).is_ok();
         if !is_solved {
             out.fill(f64::NAN);
         }
@@ -66,9 +70,9 @@ impl RightSide {
 
     /// Sets the inputs; false if a length is wrong.
     fn give(&mut self, x: &[f64], u: &[f64], has_room: bool) -> bool {
-        let fits = has_room && x.len() == self.plant.states() && u.len() == self.given;
+        let fits = has_room && x.len() == self.system.states() && u.len() == self.given;
         if fits && self.given > 0 {
-            self.plant.give(&mut self.work, u);
+            self.system.give(&mut self.work, u);
         }
         fits
     }

@@ -13,6 +13,7 @@ use crate::simulate::record_simulation::RecordSimulation;
 use crate::simulate::run::{LegStart, Origin, Start};
 use crate::simulate::scores::goodness_of_fit::deviation;
 use crate::simulate::thresholds::{BUDGET, INITIAL_STATE};
+use sidc_data::{MEDIAN_OF_ABS_NORMAL, median};
 use sidc_lang::term::Signal;
 use sidc_progress::Observer;
 
@@ -104,7 +105,7 @@ impl RecordSimulation<'_> {
         begin: usize,
         observer: &mut dyn Observer,
     ) -> Option<Vec<f64>> {
-        let state = &self.plant.form.state;
+        let state = &self.system.form.state;
         let columns: Option<Vec<&[f64]>> = state.iter().map(|s| self.record.column(*s)).collect();
         let columns = columns?;
         let mut off: Vec<Vec<f64>> = vec![Vec::new(); state.len()];
@@ -133,15 +134,9 @@ impl RecordSimulation<'_> {
         let mut noisy = false;
         let each = state.iter().zip(&columns).zip(&mut off).zip(spreads);
         let sigma = each.map(|(((signal, column), off), spread)| {
-            let middle = off.len() / 2;
-            let median = match off.is_empty() {
-                true => 0.0,
-                false => *off.select_nth_unstable_by(middle, f64::total_cmp).1,
-            };
-            // Of normal errors the median is 0.6745 standard deviations.
             let declared = self.model.noise(*signal);
             let declared = declared.map(|noise| noise.rms(column.iter()));
-            let sigma = declared.unwrap_or(median / 0.6745);
+            let sigma = declared.unwrap_or(median(off).unwrap_or(0.0) / MEDIAN_OF_ABS_NORMAL);
             noisy |= sigma > INITIAL_STATE.clean * spread;
             sigma
                 .max(INITIAL_STATE.clean * spread)
@@ -153,7 +148,7 @@ impl RecordSimulation<'_> {
 
     /// The samples of states before a row that the equations look back to, latest last; `None` if one was not read.
     fn past(&self, begin: usize) -> Option<Vec<(Signal, Vec<f64>)>> {
-        let form = &self.plant.form;
+        let form = &self.system.form;
         let mut out = Vec::new();
         for signal in &form.state {
             let back = form.history.iter().filter(|s| s.var == signal.var);

@@ -25,7 +25,7 @@ use sidc_progress::Observer;
 /// A record with everything that runs along parts of it need.
 pub struct SegmentRuns {
     record: Trajectory,
-    plant: CompiledSystem,
+    system: CompiledSystem,
     drives: Inputs,
     /// Typical sizes of the state.
     sizes: Vec<f64>,
@@ -57,8 +57,8 @@ impl SegmentRuns {
             inputs: source.dataset.inputs.clone(),
             ..Dataset::default()
         };
-        let plant = CompiledSystem::new(Form::new(d)).map_err(|s| refuse::unknown_signal(d, s))?;
-        let form = &plant.form;
+        let system = CompiledSystem::new(Form::new(d)).map_err(|s| refuse::unknown_signal(d, s))?;
+        let form = &system.form;
         let drives = sources::input_sources(d, source.model, &alone, form, &mut Vec::new())?;
         let sizes = form.state.iter().map(|s| sources::size((d, &record), *s));
         Ok(SegmentRuns {
@@ -66,18 +66,18 @@ impl SegmentRuns {
             discrete: d.discrete,
             record,
             drives,
-            plant,
+            system,
         })
     }
 
     /// Components of the state, in the order of [`SegmentRun::states`].
     pub fn state(&self) -> &[Signal] {
-        &self.plant.form.state
+        &self.system.form.state
     }
 
     /// Samples before a row that the equations read.
     pub fn history(&self) -> &[Signal] {
-        &self.plant.form.history
+        &self.system.form.history
     }
 
     /// Typical size of each component.
@@ -91,7 +91,7 @@ impl SegmentRuns {
 
     /// Rows between gaps, in each of which runs may go on.
     pub fn contiguous(&self) -> Vec<Range<usize>> {
-        let driven = !self.plant.form.inputs.is_empty();
+        let driven = !self.system.form.inputs.is_empty();
         legs(&self.record.time, self.discrete, driven)
     }
 
@@ -100,7 +100,7 @@ impl SegmentRuns {
         let time = &self.record.time;
         let (from, to) = (time.get(row), time.get(row + 1).or(time.get(row)));
         let middle = from.zip(to).map_or(f64::NAN, |(a, b)| 0.5 * (a + b));
-        let signals = self.plant.form.inputs.iter();
+        let signals = self.system.form.inputs.iter();
         let value = |(source, signal): (&InputSource, &Signal)| match source {
             InputSource::SampledInput(c) if self.discrete => {
                 c.sample(row.saturating_add_signed(signal.shift as isize))
@@ -116,9 +116,9 @@ impl SegmentRuns {
         let Some(time) = self.record.time.get(rows) else {
             return SegmentRun::default();
         };
-        let unknowns = vec![0.0; self.plant.form.unknowns.len()];
+        let unknowns = vec![0.0; self.system.form.unknowns.len()];
         let leg = LegSetup {
-            plant: &self.plant,
+            system: &self.system,
             drives: &self.drives.inputs,
             time,
             sampled: &self.record.time,
@@ -129,7 +129,7 @@ impl SegmentRuns {
         };
         let along = RecordPath {
             record: &self.record,
-            plant: &self.plant,
+            system: &self.system,
             drives: &self.drives,
             sizes: &self.sizes,
             discrete: self.discrete,

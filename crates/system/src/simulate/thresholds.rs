@@ -13,7 +13,7 @@ sidc_thresholds::family! {
         shrinks: f64 = 0.1, unit "of the step", source "set by hand";
         /// Most that a step grows by.
         grows: f64 = 8.0, unit "times the step", source "set by hand";
-        /// Product of step and eigenvalue from which the flow counts as stiff.
+        /// Product of step and eigenvalue from which the right side counts as stiff.
         stability: f64 = 3.0, unit "h·|λ|", source "Hairer, Wanner, Solving ODEs II, IV.2: the limit on the negative real axis is 3.31; the margin is set by hand";
         /// Steps at that limit before the implicit method takes over.
         stiff_steps: usize = 15, unit "steps", source "Hairer, Wanner, Solving ODEs II, IV.2 (code DOPRI5)";

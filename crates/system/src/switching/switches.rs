@@ -3,7 +3,7 @@
 //! In: expressions. Out: their guards, each once, and the expressions with σ in place of `sign(g)`, (1 + σ)/2 of `step(g)`, σ·g of
 //! `abs(g)`; `min` and `max` are those of two, by the sign of the difference.
 
-use sidc_lang::term::{Atom, Expr, Func, Signal, Term, VarId};
+use sidc_lang::term::{Atom, Expr, Func, Signal, Smoothness, Term, VarId};
 
 /// Guards and the signals that stand for their switches.
 #[derive(Clone, Debug, Default)]
@@ -12,11 +12,6 @@ pub struct Switches {
     pub guards: Vec<Expr>,
     /// Whether a law jumps there and does not only bend.
     pub jumps: Vec<bool>,
-}
-
-/// A call whose value depends on the side of a guard.
-fn is_switching(f: Func) -> bool {
-    matches!(f.name, "sign" | "step" | "abs" | "min" | "max")
 }
 
 /// Functions that may have no value where their argument is continued across a bend.
@@ -42,7 +37,7 @@ impl Switches {
 
     /// Whether a term has a function that may switch.
     pub fn are_in(term: &Term) -> bool {
-        has_call(term, &|f, _| is_switching(f))
+        has_call(term, &|f, _| f.switches())
     }
 
     /// Whether a term jumps where one of these signals passes a value.
@@ -52,8 +47,9 @@ impl Switches {
             e.for_each_signal(&mut |s| found |= signals(s));
             found
         };
-        let jumps = |f: Func| matches!(f.name, "sign" | "step");
-        has_call(term, &|f, args| jumps(f) && args.iter().any(depends))
+        has_call(term, &|f, args| {
+            f.smoothness == Smoothness::Jumps && args.iter().any(depends)
+        })
     }
 
     pub fn len(&self) -> usize {
@@ -96,7 +92,7 @@ impl Switches {
         match atom {
             Atom::Signal(s) => Expr::signal(*s).pow(power),
             Atom::Sum(inner) => self.sum(inner, excluded, is_smooth && whole).pow(power),
-            Atom::Call(f, args) if is_switching(*f) => {
+            Atom::Call(f, args) if f.switches() => {
                 self.switch(*f, args, power, excluded, is_smooth && whole)
             }
             Atom::Call(f, args) => {

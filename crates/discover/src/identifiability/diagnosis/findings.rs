@@ -11,6 +11,7 @@ use crate::doubts::thresholds::DOUBTS;
 use crate::identifiability::collinearity::relation::ExplainedRelation;
 use crate::identifiability::thresholds::{COLLINEARITY, FINDINGS};
 use crate::scaled_design::ScaledDesign;
+use sidc_data::median;
 use sidc_lang::library::Library;
 use sidc_lang::model::{Model, VarKind};
 use sidc_lang::term::{Language, Signal, SignalNames};
@@ -191,8 +192,7 @@ fn median_step(design: &ScaledDesign) -> Option<f64> {
     let time = &design.all_samples.time;
     let mut steps: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
     steps.retain(|s| *s > 0.0);
-    steps.sort_by(f64::total_cmp);
-    steps.get(steps.len() / 2).copied()
+    median(&mut steps)
 }
 
 /// What is wrong with the library or the order, if something is unexplained.

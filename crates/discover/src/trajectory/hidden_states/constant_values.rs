@@ -11,6 +11,7 @@ use super::observed_fit::observed;
 use super::solved_course::{are_solved, value_of_solved};
 use super::start::value_of_start;
 use super::thresholds::HIDDEN;
+use crate::statistics::agree;
 use crate::trajectory::model::Problem;
 use sidc_progress::Observer;
 use sidc_solve::threads::{self, map_watched};
@@ -64,7 +65,7 @@ pub(crate) fn likely_constants(
     };
     let mut best: Vec<(f64, Vec<f64>)> = Vec::new();
     for improved in map_watched(threads::available(), points, observer, moved) {
-        let known = |(_, v): &(f64, Vec<f64>)| alike(v, &improved.1);
+        let known = |(_, v): &(f64, Vec<f64>)| agree(v, &improved.1, HIDDEN.same);
         if !best.iter().any(known) {
             best.push(improved);
         }
@@ -82,7 +83,7 @@ fn improve(
     (halvings, most): (usize, usize),
     judge: &mut dyn FnMut(&[f64]) -> f64,
 ) -> (f64, Vec<f64>) {
-    let mut step = 0.4;
+    let mut step = HIDDEN.first_step;
     for _ in 0..halvings {
         let mut moved = true;
         let mut turns = 0;
@@ -113,9 +114,4 @@ fn nudged(value: f64, step: f64, ranges: &[(f64, f64)]) -> f64 {
         false => value + 0.2 * step * (to - from),
     };
     moved.clamp(from, to)
-}
-
-fn alike(a: &[f64], b: &[f64]) -> bool {
-    let near = |(a, b): (&f64, &f64)| (a - b).abs() <= 0.05 * a.abs().max(b.abs());
-    a.iter().zip(b).all(near)
 }

@@ -19,9 +19,9 @@ pub(super) struct ObservedFit {
     pub strengths: Vec<f64>,
 }
 
-/// Selects columns on the integrals of the laws between samples: one fit for each slack of a first linearisation, set of columns to select
-/// from, and price, always in the same order, so that fits of different guesses can be compared one by one. Fewer where the observer ends
-/// the work, or a column is not finite.
+/// Selects columns on the integrals of the laws between samples: one fit for each slack of a first linearisation, each set of columns to select
+/// from, and each price, in this order, so that fits of different guesses compare pairwise. Fewer if the observer ends the work, or a column is
+/// not finite.
 pub(super) fn observed_fits(
     problem: &Problem,
     sets: &[Vec<usize>],

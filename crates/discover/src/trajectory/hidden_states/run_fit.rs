@@ -6,6 +6,7 @@
 //! A run follows what wrong constants make of it, so nothing has to be guessed of hidden states but where they start. Long runs have many local minima:
 //! constants are fitted to the first part of the records from many starts, by Levenberg's and Marquardt's method, and the best of these to more and more.
 
+use crate::statistics::agree;
 use nalgebra::{DMatrix, DVector};
 
 use super::first_values::{SoughtRanges, first_values, holding};
@@ -163,7 +164,7 @@ impl<'a> RunFit<'a> {
     fn descend(&self, from: Unknowns, part: f64) -> Option<Fitted> {
         let mut at = from;
         let mut here = self.linearize(&at, part)?;
-        let mut damping = 1e-3;
+        let [mut damping, least, most] = OUTPUT_ERROR.damping;
         for _ in 0..OUTPUT_ERROR.iterations {
             let step = damped_step(&here.normal, &here.right, damping)?;
             let trial = self.moved(&at, &step);
@@ -174,14 +175,14 @@ impl<'a> RunFit<'a> {
                 Some(there) => {
                     let gained = 1.0 - there.square / here.square;
                     (here, at) = (there, trial);
-                    damping = (0.1 * damping).max(1e-9);
+                    damping = (0.1 * damping).max(least);
                     if gained < OUTPUT_ERROR.converged {
                         break;
                     }
                 }
                 None => damping *= 10.0,
             }
-            if damping > 1e6 {
+            if damping > most {
                 break;
             }
         }
@@ -278,11 +279,8 @@ fn best_of(all: &mut Vec<Fitted>, most: usize) {
     all.sort_by(|a, b| a.square.total_cmp(&b.square));
     let mut kept: Vec<Fitted> = Vec::new();
     for fitted in all.drain(..) {
-        let near = |(a, b): (&f64, &f64)| (a - b).abs() <= 0.02 * a.abs().max(b.abs());
-        let alike = |o: &Fitted| {
-            let pairs = o.unknowns.constants.iter();
-            pairs.zip(&fitted.unknowns.constants).all(near)
-        };
+        let constants = &fitted.unknowns.constants;
+        let alike = |o: &Fitted| agree(&o.unknowns.constants, constants, OUTPUT_ERROR.same);
         if kept.len() < most && !kept.iter().any(alike) {
             kept.push(fitted);
         }

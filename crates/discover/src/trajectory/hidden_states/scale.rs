@@ -70,7 +70,7 @@ pub(crate) fn with_told_scales(
     }
     scaled.pins.clear();
     let criterion = last_criterion(problem, found.inefficiency);
-    // How far a hidden state may slip follows from the course that a fit begins with, and searches begin anywhere.
+    // How far a hidden state may slip depends on the course that the fit starts from, so the course is renewed.
     for _ in 0..HIDDEN.courses_renewed {
         let near = fit(&scaled, point, &criterion, f64::INFINITY, observer)?;
         scaled = scaled.with_hidden_of(&near, &[], None);

@@ -12,8 +12,8 @@ use crate::trajectory::model::{LinearizationPoint, Problem, Record, segments};
 use sidc_solve::QuadraticForm;
 
 impl Problem {
-    /// The quadratic form of all columns about a point, on all samples: on parts of them, what chance gives a term would be multiplied
-    /// with the samples that the parts stand for, and supports would be fitted for nothing.
+    /// The quadratic form of all columns about a point, on all samples. On a part of them, scaled up, gains by chance would be scaled up too,
+    /// and supports fitted for nothing.
     ///
     /// # Errors
     /// The laws diverge from there, or the work was cancelled.

@@ -14,9 +14,8 @@ pub struct ProcessNoise {
     pub(crate) inputs: Vec<NoisyInput>,
 }
 
-/// An input that is held from sample to sample and read with noise: a state that no law moves. It varies about its mean as an autoregression
-/// of first order does, so that readings are worth no more than they are: taken at their word they would make its coefficients too small
-/// (regression calibration; Carroll et al. 2006, chapter 4).
+/// An input that is held from sample to sample and read with noise: a state that no law moves. It varies about its mean as a first-order
+/// autoregression. Noisy readings taken as exact would make its coefficients too small (regression calibration; Carroll et al. 2006, chapter 4).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct NoisyInput {
     pub state: usize,

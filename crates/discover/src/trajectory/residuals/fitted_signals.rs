@@ -46,8 +46,8 @@ impl Problem {
         (0..bad.len()).filter(|j| bad[*j]).collect()
     }
 
-    /// The columns that contain the target of their own law and are in proportion to it along the smoothed trajectories, as far
-    /// as the noise of its variable can show.
+    /// The columns that contain the target of their own law and are, along the smoothed trajectories, proportional to it within the noise of
+    /// its variable.
     pub fn target_copies(&self) -> Vec<TargetCopy> {
         let laws = &self.system.laws;
         let columns = laws.iter().enumerate().flat_map(|(l, law)| {

@@ -3,14 +3,12 @@
 //! In: a problem and a fit. Out: their number and the worst, or the problem without them. A reading whose neighbours are off as well is
 //! no outlier: there the laws are wrong.
 
+use sidc_data::{MEDIAN_OF_ABS_NORMAL, median};
 use std::f64::consts::PI;
 
 use crate::trajectory::likelihood::{Fit, final_floor};
 use crate::trajectory::model::{LeftOut, Problem};
 use crate::trajectory::thresholds::RESIDUALS;
-
-/// Standard deviation of a normal distribution over its median absolute deviation, 1/Φ⁻¹(3/4).
-const SIGMA_OVER_MAD: f64 = 1.4826;
 
 /// Outliers among the readings of one state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -196,7 +194,7 @@ impl Scale {
         let at = self.by_value.partition_point(|(x, _)| *x < value);
         let values = at.saturating_sub(near)..(at + near + 1).min(self.by_value.len());
         let mut in_value: Vec<f64> = self.by_value[values].iter().map(|(_, d)| *d).collect();
-        SIGMA_OVER_MAD * median(&mut in_time).max(median(&mut in_value))
+        deviation(&mut in_time).max(deviation(&mut in_value))
     }
 }
 
@@ -218,7 +216,7 @@ fn robust_sigma(problem: &Problem, fit: &Fit, state: usize) -> Vec<f64> {
         .enumerate()
         .map(|(group, l)| {
             let least = floor.get(group * n + state).copied().unwrap_or(0.0);
-            (SIGMA_OVER_MAD * median(l)).max(least)
+            deviation(l).max(least)
         })
         .collect();
     let of = |r: usize| Some(sigma[problem.sensors.group(r)]).filter(|s| *s > 0.0);
@@ -227,12 +225,9 @@ fn robust_sigma(problem: &Problem, fit: &Fit, state: usize) -> Vec<f64> {
         .collect()
 }
 
-fn median(values: &mut [f64]) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+/// The standard deviation that distances tell of, fewer than half of them outliers; 0 without any.
+fn deviation(distances: &mut [f64]) -> f64 {
+    median(distances).unwrap_or(0.0) / MEDIAN_OF_ABS_NORMAL
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ use super::unknown_constants::{
     FittedConstants, SoughtConstant, fit_constants, fit_constants_at, with_columns,
     with_constant_values, with_sensitivities,
 };
+use crate::statistics::agree;
 use crate::trajectory::likelihood::Fit;
 use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::thresholds::{CONSTANTS, SEARCH};
@@ -106,7 +107,7 @@ fn to_be_fitted(
         let near = law.predicted < profile.answer + loss;
         let same = |o: &ProfiledLaw| {
             let terms = |l: &ProfiledLaw| -> Vec<usize> { l.terms.iter().map(|t| t.0).collect() };
-            terms(o) == terms(&law) && alike(&o.values, &law.values)
+            terms(o) == terms(&law) && agree(&o.values, &law.values, CONSTANTS.same)
         };
         let room = out.len() < CONSTANTS.profiled_laws;
         if !(wanted || room && near) || out.iter().any(same) {
@@ -116,11 +117,6 @@ fn to_be_fitted(
         out.push(law);
     }
     out
-}
-
-fn alike(a: &[f64], b: &[f64]) -> bool {
-    let near = |(a, b): (&f64, &f64)| (a - b).abs() <= CONSTANTS.same * a.abs().max(b.abs());
-    a.iter().zip(b).all(near)
 }
 
 /// Fits that start from the trajectory of an answer.
@@ -215,8 +211,8 @@ impl Refits<'_> {
         laws
     }
 
-    /// The laws fitted as terms are removed one by one for as long as the criterion falls: each time the first that makes it fall, in the order
-    /// of what their removal is predicted to cost, if that is less than `loss`.
+    /// Backward elimination: of the terms whose removal is predicted to cost less than `loss`, cheapest first, the first removal that lowers the
+    /// criterion is kept; then again. Returns every law that was fitted.
     fn pruned(
         &self,
         law: FittedConstants,

@@ -11,17 +11,8 @@ use crate::trajectory::integration::CompiledLaws;
 use crate::trajectory::least_squares::IncrementalQr;
 use crate::trajectory::likelihood::{EliminatedRecords, Fit};
 use crate::trajectory::model::{ExtendedProblem, Problem};
+use crate::trajectory::structural::thresholds::PRACTICAL;
 use sidc_progress::Observer;
-
-/// A direction is undetermined if a relative change of this size moves the readings by less than one standard deviation: the parameter may
-/// change by all of itself.
-const SHARE: f64 = 1.0;
-/// Singular value, relative to the largest, that is rounding.
-const ROUNDING: f64 = 1e-8;
-/// Part of the largest change above which a parameter belongs to a direction.
-const PART: f64 = 0.1;
-/// How much more loosely unread states are held than in a fit, so that holding them determines nothing.
-const HOLD: f64 = 1e4;
 
 /// A number that was estimated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,7 +41,7 @@ pub fn unidentifiable_directions(
         return Vec::new();
     };
     let largest = decomposed.singular_values.max();
-    let told = (SHARE * inefficiency.sqrt()).max(ROUNDING * largest);
+    let told = (PRACTICAL.unseen * inefficiency.sqrt()).max(PRACTICAL.rounding * largest);
     let singular = decomposed.singular_values.iter().enumerate();
     let unidentifiable = singular.filter(|(_, size)| **size < told);
     let all = unidentifiable.map(|(row, _)| {
@@ -63,7 +54,8 @@ pub fn unidentifiable_directions(
             .iter()
             .zip(&moves)
             .map(|(p, x)| (*p, x / largest));
-        each.filter(|(_, x)| x.abs() > PART).collect::<Vec<_>>()
+        each.filter(|(_, x)| x.abs() > PRACTICAL.part)
+            .collect::<Vec<_>>()
     });
     all.collect()
 }
@@ -94,9 +86,9 @@ fn relative_changes(
             (problem.with_extra_columns(&none), Vec::new(), Vec::new())
         });
     let mut of = extended.problem.clone();
-    // Hidden states that are held, for their scale or for want of readings, would make it seem determined.
+    // Holding hidden states firmly would make directions that are not determined seem determined.
     of.pins.clear();
-    of.hold = HOLD;
+    of.hold = PRACTICAL.hold;
     let point = with_columns(extended.point(&found.point), &new);
     let code = CompiledLaws::new(&of.system, &point.support);
     let k = point.support.len();

@@ -116,8 +116,8 @@ pub(super) fn fit_constants_at(
     })
 }
 
-/// The likeliest constants of laws that are all given, from afar: under floors of the noise that fall level by level, since under a high floor the
-/// readings forgive what wrong constants do.
+/// The likeliest constants of laws that are all given, from a start that may be far off. The floor of the noise is lowered level by level: under a
+/// high one, wrong constants cost little, so the fit finds its way.
 pub fn fit_constants_by_levels(
     problem: &Problem,
     constants: &[SoughtConstant],

@@ -2,8 +2,9 @@
 //!
 //! In: a problem, inputs, a shift in samples. Out: the shifted problem. Fits nothing.
 
-use crate::trajectory::model::{Exogenous, LinearizationPoint, Problem, Record};
+use crate::trajectory::model::{LinearizationPoint, Problem, Record};
 use crate::trajectory::thresholds::DELAYS;
+use sidc_data::median_step;
 use sidc_lang::term::VarId;
 
 /// The problem with inputs delayed, over the instants for which all delays within `reach` know them.
@@ -36,13 +37,7 @@ pub(crate) fn reach(problem: &Problem) -> usize {
 
 /// Median sampling interval of all records, seconds.
 pub(crate) fn step(problem: &Problem) -> Option<f64> {
-    let steps = problem.records.iter().flat_map(|r| r.time.windows(2));
-    let mut steps: Vec<f64> = steps.map(|w| w[1] - w[0]).collect();
-    if steps.is_empty() {
-        return None;
-    }
-    let middle = steps.len() / 2;
-    Some(*steps.select_nth_unstable_by(middle, f64::total_cmp).1)
+    median_step(problem.records.iter().map(|r| r.time.as_slice()))
 }
 
 /// Samples of a record that stay; short records are not cut.
@@ -79,27 +74,30 @@ pub(crate) fn cut(problem: &Problem, front: usize, back: usize) -> Problem {
 pub(crate) fn shifted(problem: &Problem, inputs: &[VarId], samples: f64) -> Problem {
     let mut out = problem.clone();
     let seconds = samples * step(problem).unwrap_or(0.0);
-    for record in &mut out.records {
-        let signals = problem.system.exogenous.iter().zip(&mut record.exogenous);
-        for (_, exogenous) in signals.filter(|(s, _)| inputs.contains(&s.var)) {
+    for (late, record) in out.records.iter_mut().zip(&problem.records) {
+        let signals = problem.system.exogenous.iter().zip(&mut late.exogenous);
+        for (i, (_, exogenous)) in signals
+            .enumerate()
+            .filter(|(_, (s, _))| inputs.contains(&s.var))
+        {
             let at = record.time.iter().map(|t| t - seconds);
-            exogenous.values = at.map(|t| value_at(&record.time, exogenous, t)).collect();
+            exogenous.values = at.map(|t| value_at(record, i, t)).collect();
         }
     }
     out
 }
 
 /// Value of an exogenous signal at an instant; beyond the ends of the record, its value there.
-fn value_at(time: &[f64], exogenous: &Exogenous, at: f64) -> f64 {
-    let x = |k: usize| exogenous.values.get(k).copied().unwrap_or(f64::NAN);
+fn value_at(record: &Record, signal: usize, at: f64) -> f64 {
+    let time = &record.time;
     let next = time.partition_point(|t| *t <= at);
     if next == 0 || next == time.len() {
-        return x(next.min(time.len().saturating_sub(1)));
+        return record.exogenous_at(signal, next.min(time.len().saturating_sub(1)), 0.0);
     }
     let part = (at - time[next - 1]) / (time[next] - time[next - 1]);
-    if exogenous.is_held() {
+    match record.exogenous[signal].is_held() {
         // Delays of held inputs are whole samples; the comparison allows for rounding of time.
-        return if part > 0.5 { x(next) } else { x(next - 1) };
+        true => record.exogenous_at(signal, next - usize::from(part <= 0.5), 0.0),
+        false => record.exogenous_at(signal, next - 1, part),
     }
-    x(next - 1) + part * (x(next) - x(next - 1))
 }

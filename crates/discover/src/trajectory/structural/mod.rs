@@ -4,8 +4,8 @@
 //! only which signals are read, and their sizes.
 //!
 //! Local identifiability by the rank of sensitivities (Stigter & Molenaar, Automatica 2015) along runs from random starts, under random inputs, at
-//! random values of all parameters: the rank is the same almost everywhere. A direction is taken as none only where it vanishes to rounding in every
-//! run, so a system that is hard to tell is never refused. Relative changes make a scaling symmetry the same direction at all values; the coefficients
+//! random values of all parameters: the rank is the same almost everywhere. A direction counts as unidentifiable only if it vanishes to rounding
+//! in every run, so a system that is merely hard to identify is never refused. Relative changes make a scaling symmetry the same direction at all values; the coefficients
 //! of candidate terms take part in those alone, since other symmetries need terms that the law may lack.
 
 mod null_directions;

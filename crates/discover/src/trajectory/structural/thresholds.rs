@@ -1,6 +1,6 @@
-//! Numbers that decide whether constants can be told at all.
+//! Numbers that decide whether constants can be identified at all.
 //!
-//! In: nothing. Out: a family of numbers, and its table for the documentation. Never computes with them.
+//! In: nothing. Out: families of numbers, and their tables for the documentation. Never computes with them.
 
 use sidc_thresholds::{Table, family};
 
@@ -34,7 +34,21 @@ family! {
     }
 }
 
+family! {
+    /// When parameters can change together while the readings of a record stay as they are.
+    pub(crate) PRACTICAL: Practical {
+        /// Change of the readings below which a relative change of 1, all of the parameter, is not seen.
+        unseen: f64 = 1.0, unit "standard deviations", source "the parameter is then known to no better than itself";
+        /// Singular value that is zero.
+        rounding: f64 = 1e-8, unit "of the largest", source "the root of rounding: sensitivities are differences of runs";
+        /// Change above which a parameter belongs to a direction.
+        part: f64 = 0.1, unit "of the largest", source "a parameter that moves by less has a power of nearly zero in the combination";
+        /// How loosely samples of hidden states are held.
+        hold: f64 = 1e4, unit "of their hold in a fit", source "holding them then determines nothing";
+    }
+}
+
 /// Every family of this module.
 pub fn tables() -> Vec<Table> {
-    vec![Structural::table()]
+    vec![Structural::table(), Practical::table()]
 }

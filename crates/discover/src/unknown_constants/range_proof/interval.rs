@@ -178,8 +178,7 @@ pub(super) fn has_kinks(term: &Term, by: Signal) -> bool {
         Atom::Signal(_) => false,
         Atom::Sum(e) => of_expr(e),
         Atom::Call(f, args) => {
-            let kinked = matches!(f.name, "abs" | "sign" | "step" | "min" | "max");
-            (kinked && args.iter().any(|a| a.mentions(by))) || args.iter().any(of_expr)
+            (f.switches() && args.iter().any(|a| a.mentions(by))) || args.iter().any(of_expr)
         }
     })
 }
@@ -201,7 +200,7 @@ pub(super) fn enclose_term(term: &Term, at: &dyn Fn(Signal) -> Interval) -> Inte
             Atom::Signal(s) => at(*s),
             Atom::Sum(e) => enclose(e, at),
             Atom::Call(f, args) => match args.as_ref() {
-                [x] if !matches!(f.name, "abs" | "sign") => function(f.name, enclose(x, at)),
+                [x] if !f.switches() => function(f.name, enclose(x, at)),
                 // Without the constant all arguments are points, to rounding.
                 args => {
                     let args: Vec<Interval> = args.iter().map(|a| enclose(a, at)).collect();

@@ -29,7 +29,7 @@ mod tests {
 
     #[test]
     fn every_function_is_reserved() {
-        for f in FUNCTIONS {
+        for f in FUNCTIONS.iter().filter(|f| !f.spelling.c.is_empty()) {
             assert!(RESERVED.contains(&f.spelling.c), "{}", f.spelling.c);
         }
     }

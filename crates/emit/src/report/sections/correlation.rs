@@ -2,9 +2,6 @@
 //!
 //! In: values in time, some of them missing. Out: correlations by lag. Draws nothing.
 
-/// 97.5 % quantile of the normal distribution.
-pub(super) const NORMAL_97_5: f64 = 1.96;
-
 /// A series less its mean, missing values as the mean, and its autocorrelation.
 pub(super) struct Series {
     centred: Vec<f64>,
@@ -69,6 +66,7 @@ fn lagged_products(now: &[f64], past: &[f64], lags: usize) -> Vec<f64> {
 mod tests {
     use super::*;
     use sidc_random::Numbers;
+    use sidc_system::discovery::NORMAL_97_5;
 
     fn autocorrelation(values: &[f64], lags: usize) -> Option<(Vec<f64>, usize)> {
         Series::new(values, lags).map(|s| (s.autocorrelation, s.count))

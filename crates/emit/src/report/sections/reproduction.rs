@@ -3,6 +3,8 @@
 use crate::report::markup::{Section, lead, number, paragraph};
 use crate::report::report_contents::Subject;
 use crate::typeset::mathml::escape;
+use sidc_lang::number::significant;
+use sidc_system::predict::ErrorLimit;
 use sidc_system::result::{EquationEntry, FileEntry, Settings};
 
 /// Longest text of a model that is printed, in bytes.
@@ -103,6 +105,10 @@ fn command(s: &Subject) -> String {
     if s.document.equations.iter().any(verified) {
         words.push("--verify".into());
     }
+    let bounded = |e: &EquationEntry| e.evidence.as_ref().is_some_and(|e| e.sparsest.is_some());
+    if s.document.equations.iter().any(bounded) {
+        words.push("--prove-sparsest".into());
+    }
     words.extend(["-o".into(), word(s.name)]);
     let given: Vec<String> = s.files.iter().map(|f| word(&f.name)).collect();
     let html = match s.name.strip_suffix(".json") {
@@ -121,7 +127,10 @@ fn command(s: &Subject) -> String {
 fn options(s: &Settings) -> Vec<String> {
     let mut out = Vec::new();
     if let Some(n) = s.samples {
-        out.push(format!("--samples={n} --seed={}", s.seed));
+        out.push(format!("--samples={n}"));
+    }
+    if s.samples.is_some() || s.seed != 0 {
+        out.push(format!("--seed={}", s.seed));
     }
     if let Some(window) = s.window {
         out.push(format!("--window={}", stretch(window)));
@@ -145,6 +154,17 @@ fn options(s: &Settings) -> Vec<String> {
     }
     if s.robust {
         out.push("--robust".into());
+    }
+    if let Some(ahead) = s.prediction.horizon {
+        out.push(format!("--horizon={ahead}"));
+    }
+    for limit in &s.prediction.good {
+        out.push(match limit {
+            ErrorLimit::Share(part) => format!("--good={}%", significant(100.0 * part, 12)),
+            ErrorLimit::Signal(name, error) => {
+                format!("--good={}", word(&format!("{name}={error}")))
+            }
+        });
     }
     out
 }

@@ -1,6 +1,6 @@
 //! Correlograms of the errors of free runs: with their own past, and with that of an input.
 
-use super::correlation::{NORMAL_97_5, Series};
+use super::correlation::Series;
 use crate::report::figure::axis::Axis;
 use crate::report::figure::downsampling::{BOX_HEIGHT, BOX_WIDTH, height, place};
 use crate::report::figure::plot::{Plot, path};
@@ -8,6 +8,7 @@ use crate::report::markup::{counted, number};
 use crate::report::report_contents::Subject;
 use crate::typeset::mathml::escape;
 use sidc_lang::term::{Signal, SignalNames};
+use sidc_system::discovery::NORMAL_97_5;
 
 /// Autocorrelation of the errors of one signal, with the band of white noise.
 pub(super) fn with_itself(s: &Subject, x: Signal, errors: &Series) -> String {

@@ -3,4 +3,4 @@
 mod compiled_switches;
 pub(crate) mod compiled_system;
 mod gaussian_elimination;
-mod switched_plant;
+mod switched_system;

@@ -14,7 +14,7 @@ use crate::simulate::stiff;
 
 /// What stays the same along a leg.
 pub(crate) struct LegSetup<'a> {
-    pub plant: &'a CompiledSystem,
+    pub system: &'a CompiledSystem,
     pub drives: &'a [InputSource],
     /// Instants of the rows.
     pub time: &'a [f64],
@@ -29,30 +29,30 @@ pub(crate) struct LegSetup<'a> {
 
 /// Integrates a leg from `start` at its first row.
 pub(crate) fn integrate(leg: &LegSetup, start: &[f64], guard: &mut Guard) -> Path {
-    let mut flow = ForcedRightSide::new(leg.plant, leg.params);
-    flow.work.q.copy_from_slice(leg.guess);
+    let mut right_side = ForcedRightSide::new(leg.system, leg.params);
+    right_side.work.q.copy_from_slice(leg.guess);
     let mut trip = Integration {
         leg,
-        flow,
+        right_side,
         x: start.to_vec(),
         explicit: RungeKutta::new(start.len()),
         stiff: leg.method == Method::Stiff && leg.step.is_none(),
         path: Path::default(),
     };
-    let (form, rows) = (&leg.plant.form, leg.time.len());
+    let (form, rows) = (&leg.system.form, leg.time.len());
     let width = start.len() + form.rows.len() + form.outputs.len();
     trip.path.rows.reserve(rows * width);
     trip.path.inputs.reserve(rows * form.inputs.len());
     if let Err((kind, time)) = trip.run(guard) {
         trip.path.fault = Some(trip.fault(kind, time, guard));
     }
-    trip.path.evaluations = trip.flow.work.calls;
+    trip.path.evaluations = trip.right_side.work.calls;
     trip.path
 }
 
 struct Integration<'a> {
     leg: &'a LegSetup<'a>,
-    flow: ForcedRightSide<'a>,
+    right_side: ForcedRightSide<'a>,
     x: Vec<f64>,
     explicit: RungeKutta,
     stiff: bool,
@@ -98,10 +98,10 @@ impl Integration<'_> {
     /// Switches the inputs to their segments from `t` on.
     fn turn(&mut self, t: f64, guard: &Guard) -> Result<(), Ended> {
         let (drives, sampled) = (self.leg.drives, self.leg.sampled);
-        self.flow
+        self.right_side
             .set_inputs(drives.iter().map(|d| d.line(sampled, t)));
         self.explicit.restart();
-        let settled = self.flow.settle((t, &mut self.x), &guard.sizes, &[]);
+        let settled = self.right_side.settle((t, &mut self.x), &guard.sizes, &[]);
         settled.map_err(|kind| (kind, t))
     }
 
@@ -132,7 +132,7 @@ impl Integration<'_> {
             *k < last
                 && self
                     .lines(time[*k])
-                    .zip(self.flow.inputs())
+                    .zip(self.right_side.inputs())
                     .all(|(next, line)| line.continues(&next))
         };
         let late = self.leg.drives.iter().any(|d| d.late() != 0.0);
@@ -187,7 +187,7 @@ impl Integration<'_> {
             if self.stiff && from < *stop {
                 let stops = [*stop];
                 stiff::advance(
-                    &mut self.flow,
+                    &mut self.right_side,
                     (from, &stops),
                     &mut self.x,
                     guard,
@@ -205,15 +205,16 @@ impl Integration<'_> {
     }
 
     fn explicit_to(&mut self, t: f64, stop: f64, guard: &mut Guard) -> Result<Reached, Ended> {
-        let (flow, x) = (&mut self.flow, &mut self.x);
+        let (right_side, x) = (&mut self.right_side, &mut self.x);
         match self.leg.step {
             Some(h) => self
                 .explicit
-                .fixed(flow, (t, stop), x, guard, h)
+                .fixed(right_side, (t, stop), x, guard, h)
                 .map(|()| Reached::Stop),
             None => {
                 let watch = self.leg.method == Method::Auto;
-                self.explicit.advance(flow, (t, stop), x, guard, watch)
+                self.explicit
+                    .advance(right_side, (t, stop), x, guard, watch)
             }
         }
     }
@@ -228,7 +229,7 @@ impl Integration<'_> {
         let stops = &self.leg.time[row..=end];
         let mut reached = Vec::new();
         let ended = stiff::advance(
-            &mut self.flow,
+            &mut self.right_side,
             (from, stops),
             &mut self.x,
             guard,
@@ -250,10 +251,13 @@ impl Integration<'_> {
     /// Records state, unknowns and outputs at a row, with the inputs that hold from there on.
     fn record(&mut self, row: usize) -> Result<(), Ended> {
         let t = self.leg.time[row];
-        let (q, outputs) = self.flow.unknowns(t, &self.x).map_err(|kind| (kind, t))?;
+        let (q, outputs) = self
+            .right_side
+            .unknowns(t, &self.x)
+            .map_err(|kind| (kind, t))?;
         let values = self.x.iter().chain(q).copied();
         self.path.rows.push(values.chain(outputs));
-        let inputs = self.flow.inputs().iter().map(|l| l.at(t));
+        let inputs = self.right_side.inputs().iter().map(|l| l.at(t));
         self.path.inputs.push(inputs);
         Ok(())
     }
@@ -261,14 +265,14 @@ impl Integration<'_> {
     fn fault(&mut self, kind: FaultKind, time: f64, guard: &Guard) -> Fault {
         let mut rates = vec![0.0; self.x.len()];
         // Evaluates at the last good state, so that the buffers describe it.
-        let moves = self.flow.rates(time, &self.x, &mut rates);
-        let plant = self.leg.plant;
-        let weak = plant.dependent(&self.flow.work);
+        let moves = self.right_side.rates(time, &self.x, &mut rates);
+        let system = self.leg.system;
+        let weak = system.dependent(&self.right_side.work);
         let fastest = || {
             let speeds = rates.iter().zip(&guard.sizes).map(|(r, s)| r.abs() / s);
             let fastest = speeds.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
             fastest
-                .map(|(i, _)| plant.target_of(i))
+                .map(|(i, _)| system.target_of(i))
                 .into_iter()
                 .collect()
         };
@@ -279,10 +283,10 @@ impl Integration<'_> {
             FaultKind::StepTooSmall if moves.is_ok() => (kind, fastest()),
             FaultKind::NotFinite(s) | FaultKind::NoSolution(s) => (kind, vec![s]),
             FaultKind::Diverged { signal, .. } => {
-                let place = plant.form.state.iter().position(|s| *s == signal);
+                let place = system.form.state.iter().position(|s| *s == signal);
                 (
                     kind,
-                    place.map(|i| plant.target_of(i)).into_iter().collect(),
+                    place.map(|i| system.target_of(i)).into_iter().collect(),
                 )
             }
             _ => (kind, Vec::new()),
@@ -291,7 +295,7 @@ impl Integration<'_> {
             kind,
             time,
             equations,
-            at: plant.point(&self.flow.work),
+            at: system.point(&self.right_side.work),
         }
     }
 }

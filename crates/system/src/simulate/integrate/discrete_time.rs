@@ -28,7 +28,7 @@ pub(crate) fn iterate(
     guard: &mut Guard,
 ) -> Path {
     let mut path = Path::default();
-    let mut work = leg.plant.work();
+    let mut work = leg.system.work();
     work.q.copy_from_slice(leg.guess);
     let mut x = start.to_vec();
     let mut seen: Vec<Vec<f64>> = Vec::with_capacity(leg.time.len());
@@ -39,18 +39,18 @@ pub(crate) fn iterate(
             let inputs: Vec<f64> = inputs_at(leg, offset + row);
             let lags = history.iter().map(|(s, past)| lag(*s, past, row, &seen));
             let lags: Vec<f64> = lags.collect();
-            leg.plant
+            leg.system
                 .give(&mut work, &[&inputs, leg.params, &lags].concat());
             let at = clock.get(row).copied().unwrap_or(*t);
             let last = row + 1 == leg.time.len();
-            let next = leg.plant.solve(&mut work, at, &x);
+            let next = leg.system.solve(&mut work, at, &x);
             if let (Err(kind), false) = (next, last) {
                 return Err((kind, *t));
             }
-            let outputs = leg.plant.outputs(&mut work);
+            let outputs = leg.system.outputs(&mut work);
             path.rows.push(x.iter().copied().chain(outputs));
             path.inputs.push(inputs);
-            leg.plant.next(&work, &mut x);
+            leg.system.next(&work, &mut x);
         }
         Ok(())
     };
@@ -60,19 +60,19 @@ pub(crate) fn iterate(
         kind,
         time,
         equations: match kind {
-            FaultKind::Singular => leg.plant.dependent(&work),
+            FaultKind::Singular => leg.system.dependent(&work),
             FaultKind::NotFinite(s) | FaultKind::NoSolution(s) => vec![s],
             FaultKind::Diverged { signal, .. } => vec![signal],
             _ => Vec::new(),
         },
-        at: leg.plant.point(&work),
+        at: leg.system.point(&work),
     });
     path
 }
 
 /// Inputs at a row. Beyond the end of the record they keep their last values.
 fn inputs_at(leg: &LegSetup, row: usize) -> Vec<f64> {
-    let names = leg.plant.form.inputs.iter();
+    let names = leg.system.form.inputs.iter();
     let drives = leg.drives.iter().zip(names);
     drives
         .map(|(drive, s)| match drive {

@@ -29,37 +29,37 @@ pub(crate) type StateAt<'a> =
 ///
 /// # Errors
 /// Those of the right side.
-pub(crate) fn passage(
-    flow: &mut ForcedRightSide,
+pub(crate) fn crossing(
+    right_side: &mut ForcedRightSide,
     (t, h): (f64, f64),
     end: &[f64],
     state_at: StateAt,
 ) -> Result<EventCrossing, FaultKind> {
     // A margin that starts slightly below zero by rounding counts as crossed only below that value.
-    let floor: Vec<f64> = flow.margins.iter().map(|m| m.min(0.0)).collect();
+    let floor: Vec<f64> = right_side.margins.iter().map(|m| m.min(0.0)).collect();
     let mut margins = Vec::new();
-    flow.margins(t + h, end, &mut margins)?;
+    right_side.margins(t + h, end, &mut margins)?;
     let over = |margins: &[f64]| {
         let above = margins.iter().zip(&floor).map(|(m, f)| m - f);
         above.fold(f64::INFINITY, f64::min)
     };
     let last = over(&margins);
     if last >= 0.0 {
-        return Ok(touch(flow, &margins, h));
+        return Ok(touch(right_side, &margins, h));
     }
     let crossed: Vec<usize> = (0..margins.len())
         .filter(|k| margins[*k] < floor[*k])
         .collect();
     let mut margin = |part: f64| {
-        let state = state_at(flow, part)?;
+        let state = state_at(right_side, part)?;
         let mut margins = Vec::new();
-        flow.margins(t + part * h, &state, &mut margins)?;
+        right_side.margins(t + part * h, &state, &mut margins)?;
         Ok(over(&margins))
     };
     Ok(match locate(last, &mut margin)? {
         Located::At(part) => {
-            let state = state_at(flow, part)?;
-            flow.margins(t + part * h, &state, &mut margins)?;
+            let state = state_at(right_side, part)?;
+            right_side.margins(t + part * h, &state, &mut margins)?;
             let nearest = |k: &usize| margins[*k] - floor[*k];
             let first = crossed
                 .iter()
@@ -72,7 +72,7 @@ pub(crate) fn passage(
             }
         }
         Located::Start => {
-            let state = state_at(flow, 0.0)?;
+            let state = state_at(right_side, 0.0)?;
             EventCrossing::Event {
                 part: 0.0,
                 state,
@@ -84,16 +84,16 @@ pub(crate) fn passage(
 
 /// A guard that falls to zero and rises again within a step shows no change of sign at its end; the cubic through values
 /// and slopes at both ends shows the minimum.
-fn touch(flow: &ForcedRightSide, end: &[f64], h: f64) -> EventCrossing {
+fn touch(right_side: &ForcedRightSide, end: &[f64], h: f64) -> EventCrossing {
     let mut rates = Vec::new();
-    flow.margin_rates(&mut rates);
-    for (k, mode) in flow.work.modes.0.iter().enumerate() {
-        let (down, up) = (h * flow.margin_rates[k], h * rates[k]);
+    right_side.margin_rates(&mut rates);
+    for (k, mode) in right_side.work.modes.0.iter().enumerate() {
+        let (down, up) = (h * right_side.margin_rates[k], h * rates[k]);
         let is_bowl = down < 0.0 && up > 0.0 && matches!(mode, Mode::Above | Mode::Below);
         if !is_bowl {
             continue;
         }
-        let (from, to) = (flow.margins[k].max(0.0), end[k]);
+        let (from, to) = (right_side.margins[k].max(0.0), end[k]);
         // Hermite's cubic a s³ + b s² + down·s + from has its least value at the larger zero of its derivative.
         let (a, b) = (
             2.0 * (from - to) + down + up,

@@ -1,13 +1,13 @@
 //! Explicit Runge–Kutta methods: Dormand–Prince 5(4) with error control, and the classical method with fixed steps.
 //!
-//! In: a flow, a state, an instant to reach. Out: the state there, or that the flow is stiff, or where and why
+//! In: a right side, a state, an instant to reach. Out: the state there, or that the right side is stiff, or where and why
 //! integration ended.
 //! Dormand, Prince 1980 (J. Comp. Appl. Math. 6); step control and stiffness test as in Hairer, Nørsett, Wanner,
 //! Solving Ordinary Differential Equations I, II.4, and II, IV.2.
 
 use crate::simulate::fault::FaultKind;
 use crate::simulate::forced_right_side::{Ended, ForcedRightSide, Guard};
-use crate::simulate::integrate::event_crossing::{EventCrossing, passage};
+use crate::simulate::integrate::event_crossing::{EventCrossing, crossing};
 use crate::simulate::thresholds::EXPLICIT;
 
 /// Nodes and weights of the Dormand–Prince tableau (c and A), stage by stage.
@@ -100,7 +100,7 @@ impl RungeKutta {
     /// Integrates from `t` to `stop` with error control. With `watch` it also tests for stiffness.
     pub fn advance(
         &mut self,
-        flow: &mut ForcedRightSide,
+        right_side: &mut ForcedRightSide,
         (mut t, stop): (f64, f64),
         x: &mut [f64],
         guard: &mut Guard,
@@ -109,7 +109,7 @@ impl RungeKutta {
         let (mut limits, mut calm, mut steps) = (0, 0, 0);
         let mut failed = None;
         if self.h == 0.0 {
-            self.first_step(flow, (t, stop), x, guard)?;
+            self.first_step(right_side, (t, stop), x, guard)?;
         }
         while t < stop {
             let smallest = EXPLICIT.smallest_step * t.abs().max(stop.abs());
@@ -124,8 +124,8 @@ impl RungeKutta {
                 return Err((failed.unwrap_or(FaultKind::StepTooSmall), t));
             }
             steps += 1;
-            guard.check(t, x, flow.work.calls)?;
-            let error = match self.attempt(flow, (t, end), x, h, guard) {
+            guard.check(t, x, right_side.work.calls)?;
+            let error = match self.attempt(right_side, (t, end), x, h, guard) {
                 Ok(error) => error,
                 Err(kind) => {
                     // A trial step may leave the domain of the equations; a shorter one may not.
@@ -140,12 +140,12 @@ impl RungeKutta {
                 continue;
             }
             failed = None;
-            if flow.has_switches() {
+            if right_side.has_switches() {
                 match self
-                    .passage(flow, (t, h), x, guard)
+                    .crossing(right_side, (t, h), x, guard)
                     .map_err(|kind| (kind, t))?
                 {
-                    EventCrossing::Free => flow
+                    EventCrossing::Free => right_side
                         .begin_step(end, &self.end)
                         .map_err(|kind| (kind, end))?,
                     EventCrossing::Touches(part) => {
@@ -160,7 +160,8 @@ impl RungeKutta {
                         let there = self.end.clone();
                         x.copy_from_slice(&state);
                         t = if part == 1.0 { end } else { t + part * h };
-                        flow.pass_event((t, x), &guard.sizes, (part, &switches, &there))
+                        right_side
+                            .pass_event((t, x), &guard.sizes, (part, &switches, &there))
                             .map_err(|kind| (kind, t))?;
                         self.fresh = false;
                         continue;
@@ -190,28 +191,28 @@ impl RungeKutta {
                 return Ok(Reached::Stiff(t));
             }
         }
-        guard.check(t, x, flow.work.calls)?;
+        guard.check(t, x, right_side.work.calls)?;
         Ok(Reached::Stop)
     }
 
     /// What the step that was just tried passes. The state at its end stays in `end`.
-    fn passage(
+    fn crossing(
         &mut self,
-        flow: &mut ForcedRightSide,
+        right_side: &mut ForcedRightSide,
         (t, h): (f64, f64),
         x: &[f64],
         guard: &Guard,
     ) -> Result<EventCrossing, FaultKind> {
         let end = self.end.clone();
         let slopes = self.slopes.clone();
-        let mut state_at = |flow: &mut ForcedRightSide, part: f64| match part {
+        let mut state_at = |right_side: &mut ForcedRightSide, part: f64| match part {
             0.0 => Ok(x.to_vec()),
             part => {
-                self.attempt(flow, (t, t + part * h), x, part * h, guard)?;
+                self.attempt(right_side, (t, t + part * h), x, part * h, guard)?;
                 Ok(self.end.clone())
             }
         };
-        let found = passage(flow, (t, h), &end, &mut state_at);
+        let found = crossing(right_side, (t, h), &end, &mut state_at);
         self.end = end;
         self.slopes = slopes;
         found
@@ -220,7 +221,7 @@ impl RungeKutta {
     /// Integrates from `t` to `stop` in equal steps of at most `h` of the classical method.
     pub fn fixed(
         &mut self,
-        flow: &mut ForcedRightSide,
+        right_side: &mut ForcedRightSide,
         (t, stop): (f64, f64),
         x: &mut [f64],
         guard: &mut Guard,
@@ -232,21 +233,21 @@ impl RungeKutta {
         let mut k = 0.0;
         while k < count {
             let at = t + k * h;
-            guard.check(at, x, flow.work.calls)?;
-            match flow.has_switches() {
-                false => self.classical(flow, at, x, h),
-                true => self.classical_between_events(flow, at, x, (h, guard)),
+            guard.check(at, x, right_side.work.calls)?;
+            match right_side.has_switches() {
+                false => self.classical(right_side, at, x, h),
+                true => self.classical_between_events(right_side, at, x, (h, guard)),
             }
             .map_err(|kind| (kind, at))?;
             k += 1.0;
         }
-        guard.check(stop, x, flow.work.calls)
+        guard.check(stop, x, right_side.work.calls)
     }
 
     /// One fixed step, cut at the events within it.
     fn classical_between_events(
         &mut self,
-        flow: &mut ForcedRightSide,
+        right_side: &mut ForcedRightSide,
         t: f64,
         x: &mut [f64],
         (h, guard): (f64, &Guard),
@@ -255,18 +256,18 @@ impl RungeKutta {
         while done < 1.0 {
             let (from, left) = (t + done * h, (1.0 - done) * h);
             let start = x.to_vec();
-            self.classical(flow, from, x, left)?;
+            self.classical(right_side, from, x, left)?;
             let end = x.to_vec();
-            let mut state_at = |flow: &mut ForcedRightSide, part: f64| {
+            let mut state_at = |right_side: &mut ForcedRightSide, part: f64| {
                 let mut state = start.clone();
                 if part > 0.0 {
-                    self.classical(flow, from, &mut state, part * left)?;
+                    self.classical(right_side, from, &mut state, part * left)?;
                 }
                 Ok(state)
             };
-            match passage(flow, (from, left), &end, &mut state_at)? {
+            match crossing(right_side, (from, left), &end, &mut state_at)? {
                 EventCrossing::Free | EventCrossing::Touches(_) => {
-                    flow.begin_step(from + left, &end)?;
+                    right_side.begin_step(from + left, &end)?;
                     done = 1.0;
                 }
                 EventCrossing::Event {
@@ -277,7 +278,7 @@ impl RungeKutta {
                     x.copy_from_slice(&state);
                     done += part * (1.0 - done);
                     let at = t + done * h;
-                    flow.pass_event((at, x), &guard.sizes, (part, &switches, &end))?;
+                    right_side.pass_event((at, x), &guard.sizes, (part, &switches, &end))?;
                 }
             }
         }
@@ -287,12 +288,13 @@ impl RungeKutta {
     /// Chooses a first step over which the state changes by a hundredth of its size.
     fn first_step(
         &mut self,
-        flow: &mut ForcedRightSide,
+        right_side: &mut ForcedRightSide,
         (t, stop): (f64, f64),
         x: &[f64],
         guard: &Guard,
     ) -> Result<(), Ended> {
-        flow.rates(t, x, &mut self.rates)
+        right_side
+            .rates(t, x, &mut self.rates)
             .map_err(|kind| (kind, t))?;
         let sizes = x.iter().zip(&guard.sizes).map(|(x, s)| x.abs() + s);
         let moves = self.rates.iter().zip(sizes).map(|(k, s)| k.abs() / s);
@@ -304,14 +306,14 @@ impl RungeKutta {
     /// One step of size h from x to `end`. Returns its error estimate, scaled so that 1 is allowed.
     fn attempt(
         &mut self,
-        flow: &mut ForcedRightSide,
+        right_side: &mut ForcedRightSide,
         (t, end): (f64, f64),
         x: &[f64],
         h: f64,
         guard: &Guard,
     ) -> Result<f64, FaultKind> {
         if !self.fresh {
-            flow.rates(t, x, &mut self.rates)?;
+            right_side.rates(t, x, &mut self.rates)?;
             self.keep(0);
             self.fresh = true;
         }
@@ -326,7 +328,7 @@ impl RungeKutta {
             }
             // The last stage ends exactly where the next step begins.
             let at = if *node == 1.0 { end } else { t + node * h };
-            flow.rates(at, target, &mut self.rates)?;
+            right_side.rates(at, target, &mut self.rates)?;
             self.keep(stage);
         }
         let mut square = 0.0;
@@ -367,18 +369,18 @@ impl RungeKutta {
 
     fn classical(
         &mut self,
-        flow: &mut ForcedRightSide,
+        right_side: &mut ForcedRightSide,
         t: f64,
         x: &mut [f64],
         h: f64,
     ) -> Result<(), FaultKind> {
-        flow.rates(t, x, &mut self.rates)?;
+        right_side.rates(t, x, &mut self.rates)?;
         self.keep(0);
         for (stage, part) in [(1, 0.5), (2, 0.5), (3, 1.0)] {
             for ((z, x), k) in self.stage.iter_mut().zip(&*x).zip(&self.rates) {
                 *z = x + part * h * k;
             }
-            flow.rates(t + part * h, &self.stage, &mut self.rates)?;
+            right_side.rates(t + part * h, &self.stage, &mut self.rates)?;
             self.keep(stage);
         }
         for (x, k) in x.iter_mut().zip(&self.slopes) {

@@ -26,8 +26,8 @@ impl Entry for Complex<f64> {
     }
 }
 
-/// Gaussian elimination with partial pivoting (Golub, Van Loan, "Matrix Computations", 3.4), column by column: sums of many
-/// products would wait for each other.
+/// Gaussian elimination with partial pivoting (Golub, Van Loan, "Matrix Computations", 3.4), column by column: a long sum is a
+/// chain of additions, each of which waits for the one before.
 #[derive(Clone, Debug)]
 pub(super) struct Lu<T> {
     n: usize,

@@ -1,6 +1,6 @@
 //! Stiff flows: the Radau IIA method of order 9, with error control.
 //!
-//! In: a flow, a state, instants to stop at. Out: the states there, or where and why integration ended. Steps are as long as the error
+//! In: a right side, a state, instants to stop at. Out: the states there, or where and why integration ended. Steps are as long as the error
 //! allows. States within a step are values of its polynomial, if that is as exact as the step. Every call starts without history.
 //! Hairer, Wanner, "Solving Ordinary Differential Equations II", IV.8; Gustafsson, "Control-theoretic techniques for stepsize
 //! selection in implicit Runge–Kutta methods", ACM Trans. Math. Softw. 20 (1994).
@@ -11,7 +11,7 @@ mod tableau;
 
 use super::fault::FaultKind;
 use super::forced_right_side::{Ended, ForcedRightSide, Guard};
-use super::integrate::event_crossing::{EventCrossing, passage};
+use super::integrate::event_crossing::{EventCrossing, crossing};
 use super::thresholds::IMPLICIT;
 use radau::{Outcome, Radau, Span, norm};
 use tableau::STAGES;
@@ -22,7 +22,7 @@ const ERROR_EXPONENT: f64 = 1.0 / (STAGES as f64 + 1.0);
 /// Integrates from `t` to the last of `stops` with the present segments of the inputs. Adds the state at each stop to `reached`; `x` ends as the
 /// state at the last one.
 pub(super) fn advance(
-    flow: &mut ForcedRightSide,
+    right_side: &mut ForcedRightSide,
     (mut t, stops): (f64, &[f64]),
     x: &mut [f64],
     guard: &mut Guard,
@@ -35,7 +35,10 @@ pub(super) fn advance(
     };
     let mut scale = vec![0.0; x.len()];
     allow(&mut scale, x, guard);
-    let slope = radau.begin(flow, t, x).map_err(|kind| (kind, t))?.to_vec();
+    let slope = radau
+        .begin(right_side, t, x)
+        .map_err(|kind| (kind, t))?
+        .to_vec();
     let mut control = StepControl::new(first(&radau.jacobian, &slope, &scale));
     // A failure is kept until the time has passed the end of the step in which it occurred.
     let mut failed: Option<Ended> = None;
@@ -52,10 +55,10 @@ pub(super) fn advance(
             let kind = failed.map_or(FaultKind::StepTooSmall, |(kind, _)| kind);
             return Err((kind, t));
         }
-        if flow.work.calls > guard.budget {
+        if right_side.work.calls > guard.budget {
             return Err((FaultKind::TooMuchWork, t));
         }
-        match radau.attempt(flow, span, x, &scale, control.error_is_uncertain()) {
+        match radau.attempt(right_side, span, x, &scale, control.error_is_uncertain()) {
             Err(kind) => {
                 // The trial step may have left the domain of the equations; a shorter one may not.
                 failed = Some((kind, span.end));
@@ -80,9 +83,10 @@ pub(super) fn advance(
                 let (from, before) = (t, x.to_vec());
                 radau.accept(span.h, x);
                 t = span.end;
-                guard.check(t, x, flow.work.calls)?;
+                guard.check(t, x, right_side.work.calls)?;
                 if let Some((part, switches)) =
-                    event(flow, &radau, (from, span.h), &before, x).map_err(|kind| (kind, from))?
+                    event(right_side, &radau, (from, span.h), &before, x)
+                        .map_err(|kind| (kind, from))?
                 {
                     t = if part == 1.0 {
                         span.end
@@ -94,11 +98,15 @@ pub(super) fn advance(
                     }
                     let there = x.to_vec();
                     x.copy_from_slice(&radau.within(part, &before));
-                    flow.pass_event((t, x), &guard.sizes, (part, &switches, &there))
+                    right_side
+                        .pass_event((t, x), &guard.sizes, (part, &switches, &there))
                         .map_err(|kind| (kind, t))?;
                     allow(&mut scale, x, guard);
                     radau = Radau::new(x.len());
-                    let slope = radau.begin(flow, t, x).map_err(|kind| (kind, t))?.to_vec();
+                    let slope = radau
+                        .begin(right_side, t, x)
+                        .map_err(|kind| (kind, t))?
+                        .to_vec();
                     control = StepControl::new(first(&radau.jacobian, &slope, &scale));
                     continue;
                 }
@@ -112,27 +120,27 @@ pub(super) fn advance(
     Ok(())
 }
 
-/// The first event of the step that was just accepted, as a part of it; the flow begins its next step at the end if there is none.
+/// The first event of the step that was just accepted, as a part of it; the right side begins its next step at the end if there is none.
 fn event(
-    flow: &mut ForcedRightSide,
+    right_side: &mut ForcedRightSide,
     radau: &Radau,
     (from, h): (f64, f64),
     before: &[f64],
     end: &[f64],
 ) -> Result<Option<(f64, Vec<usize>)>, FaultKind> {
-    if !flow.has_switches() {
+    if !right_side.has_switches() {
         return Ok(None);
     }
     let mut state_at = |_: &mut ForcedRightSide, part: f64| match part {
         0.0 => Ok(before.to_vec()),
         part => Ok(radau.within(part, before)),
     };
-    match passage(flow, (from, h), end, &mut state_at)? {
+    match crossing(right_side, (from, h), end, &mut state_at)? {
         EventCrossing::Event { part, switches, .. } => Ok(Some((part, switches))),
         EventCrossing::Touches(part) => {
             // The polynomial tells what is between: one more look there is enough.
             let middle = radau.within(part, before);
-            let found = passage(flow, (from, part * h), &middle, &mut |_, within| {
+            let found = crossing(right_side, (from, part * h), &middle, &mut |_, within| {
                 Ok(radau.within(within * part, before))
             })?;
             if let EventCrossing::Event {
@@ -141,9 +149,9 @@ fn event(
             {
                 return Ok(Some((p * part, switches)));
             }
-            flow.begin_step(from + h, end).map(|()| None)
+            right_side.begin_step(from + h, end).map(|()| None)
         }
-        EventCrossing::Free => flow.begin_step(from + h, end).map(|()| None),
+        EventCrossing::Free => right_side.begin_step(from + h, end).map(|()| None),
     }
 }
 

@@ -1,6 +1,6 @@
 //! One step of the Radau IIA method: five stages by simplified Newton iteration, and an estimate of their error.
 //!
-//! In: a flow, a state, a step. Out: the stages, as a polynomial over the step, and their error; or that the step is too long for
+//! In: a right side, a state, a step. Out: the stages, as a polynomial over the step, and their error; or that the step is too long for
 //! Newton's method; or the failure of the right side. Does not choose the step size.
 //! Hairer, Wanner, "Solving Ordinary Differential Equations II", IV.8; "Stiff differential equations solved by Radau methods",
 //! J. Comp. Appl. Math. 111 (1999).
@@ -100,18 +100,18 @@ impl Radau {
     /// The slope of the state at the start of integration; computes the Jacobian there.
     pub fn begin(
         &mut self,
-        flow: &mut ForcedRightSide,
+        right_side: &mut ForcedRightSide,
         t: f64,
         x: &[f64],
     ) -> Result<&[f64], FaultKind> {
-        flow.rates(t, x, &mut self.slope)?;
-        self.differentiate(flow, t, x);
+        right_side.rates(t, x, &mut self.slope)?;
+        self.differentiate(right_side, t, x);
         Ok(&self.slope)
     }
 
     /// Simplified Newton iteration needs no exact Jacobian: where there is none, as for √x at 0, that of an earlier state is used.
-    fn differentiate(&mut self, flow: &mut ForcedRightSide, t: f64, x: &[f64]) {
-        if flow.jacobian(t, x, &mut self.trial).is_ok() {
+    fn differentiate(&mut self, right_side: &mut ForcedRightSide, t: f64, x: &[f64]) {
+        if right_side.jacobian(t, x, &mut self.trial).is_ok() {
             std::mem::swap(&mut self.jacobian, &mut self.trial);
             self.factored = 0.0;
         }
@@ -122,20 +122,20 @@ impl Radau {
     /// first estimate is too cautious after a jump.
     pub fn attempt(
         &mut self,
-        flow: &mut ForcedRightSide,
+        right_side: &mut ForcedRightSide,
         span: Span,
         x: &[f64],
         scale: &[f64],
         filter: bool,
     ) -> Result<Outcome, FaultKind> {
         if !self.fresh && self.speed > IMPLICIT.jacobian_speed {
-            self.differentiate(flow, span.t, x);
+            self.differentiate(right_side, span.t, x);
         }
         if !self.factorise(span.h) {
             return Ok(Outcome::TooLong(IMPLICIT.after_divergence));
         }
         self.predict(span.h);
-        let iterations = match self.newton(flow, span, x, scale)? {
+        let iterations = match self.newton(right_side, span, x, scale)? {
             Ok(iterations) => iterations,
             Err(factor) => {
                 // An old Jacobian is the likely cause: the next step computes a new one.
@@ -150,7 +150,10 @@ impl Radau {
                 *p = x + e;
             }
             let slope = self.slope.clone();
-            if flow.rates(span.t, &self.point, &mut self.slope).is_ok() {
+            if right_side
+                .rates(span.t, &self.point, &mut self.slope)
+                .is_ok()
+            {
                 self.estimate(span.h, scale);
                 error = norm(&self.error, scale);
             }
@@ -222,7 +225,7 @@ impl Radau {
     /// Simplified Newton iteration for the stages: the number of iterations, or the factor of a step in which it might converge.
     fn newton(
         &mut self,
-        flow: &mut ForcedRightSide,
+        right_side: &mut ForcedRightSide,
         span: Span,
         x: &[f64],
         scale: &[f64],
@@ -231,7 +234,7 @@ impl Radau {
         self.speed = 1.0;
         let (mut last, mut last_ratio) = (0.0, 0.0);
         for k in 1..=IMPLICIT.iterations {
-            let size = self.iterate(flow, span, x, scale)?;
+            let size = self.iterate(right_side, span, x, scale)?;
             if !size.is_finite() {
                 return Ok(Err(IMPLICIT.after_divergence));
             }
@@ -274,7 +277,7 @@ impl Radau {
     /// One Newton iteration. Returns its size; 1 is the allowed error of the step.
     fn iterate(
         &mut self,
-        flow: &mut ForcedRightSide,
+        right_side: &mut ForcedRightSide,
         Span { t, end, h }: Span,
         x: &[f64],
         scale: &[f64],
@@ -285,7 +288,7 @@ impl Radau {
             }
             // The last stage is evaluated exactly where the next step begins.
             let at = if *node == 1.0 { end } else { t + node * h };
-            flow.rates(at, &self.point, rates)?;
+            right_side.rates(at, &self.point, rates)?;
         }
         // The residual of h ż = A⁻¹ z, by modes.
         for c in 0..x.len() {

@@ -48,7 +48,7 @@ impl CompiledSwitches {
 
 /// Laws at the point in the slots.
 struct AtPoint<'a> {
-    plant: &'a CompiledSystem,
+    system: &'a CompiledSystem,
     switches: &'a CompiledSwitches,
     work: &'a mut Workspace,
 }
@@ -57,10 +57,10 @@ impl GuardRates for AtPoint<'_> {
     type Error = FaultKind;
 
     fn guard_rates(&mut self, sides: &[f64], out: &mut [f64]) -> Result<(), FaultKind> {
-        self.plant.give_sides(self.work, sides);
-        self.plant.evaluate(self.work)?;
+        self.system.give_sides(self.work, sides);
+        self.system.evaluate(self.work)?;
         self.work.calls += 1;
-        self.switches.rates(&self.plant.form, self.work, out);
+        self.switches.rates(&self.system.form, self.work, out);
         Ok(())
     }
 }
@@ -107,7 +107,7 @@ impl CompiledSystem {
     ) -> Result<(), FaultKind> {
         let contacts: Vec<usize> = work.modes.sliding().collect();
         let mut laws = AtPoint {
-            plant: self,
+            system: self,
             switches,
             work,
         };
@@ -128,7 +128,7 @@ impl CompiledSystem {
         let mut modes = std::mem::take(&mut work.modes);
         let mut sides: Vec<f64> = modes.0.iter().map(|m| m.side()).collect();
         let mut laws = AtPoint {
-            plant: self,
+            system: self,
             switches,
             work,
         };
@@ -254,7 +254,7 @@ impl CompiledSystem {
         }
     }
 
-    /// The Jacobian of a flow that keeps guards at zero, from that at fixed σ: J − F (G F)⁻¹ G J, with F = ∂ẋ/∂σ and G = ∂g/∂x.
+    /// The Jacobian of a right side that keeps guards at zero, from that at fixed σ: J − F (G F)⁻¹ G J, with F = ∂ẋ/∂σ and G = ∂g/∂x.
     pub(super) fn hold_guards(
         &self,
         switches: &CompiledSwitches,
