@@ -25,15 +25,15 @@ pub(super) fn check(model: &Model, dataset: &Dataset) -> Vec<Diagnostic> {
             Delay::Within { from, to } => from.abs().max(to.abs()),
         };
         let var = model.var(id).filter(|_| size > DELAYS.longest * longest)?;
-        Some(too_long(var, size, longest))
+        Some(too_long((var, &model.time_unit()), size, longest))
     });
     too_long.collect()
 }
 
-fn too_long(var: &Var, size: f64, longest: f64) -> Diagnostic {
+fn too_long((var, unit): (&Var, &str), size: f64, longest: f64) -> Diagnostic {
     let name = &var.name;
     let message = format!(
-        "{name} is delayed by up to {} s, and the longest record without a gap has room for {} s",
+        "{name} is delayed by up to {} {unit}, and the longest record without a gap has room for {} {unit}",
         significant(size, 4),
         significant(DELAYS.longest * longest, 4)
     );

@@ -2,7 +2,7 @@
 //!
 //! In: faults of rate columns, the [`Discovery`]. Out: the doubt `rate-disagrees`. Never changes a term or a coefficient.
 
-use sidc_data::RateFault;
+use sidc_data::{RateFault, RateMend};
 use sidc_lang::term::Signal;
 use sidc_system::discovery::{Change, Discovery, Equation, Reason, ReasonCode, Status};
 
@@ -18,9 +18,9 @@ pub(super) fn doubt(discovery: &mut Discovery, faults: &[RateFault]) {
 
 fn reason(fault: &RateFault) -> Reason {
     let entry = &fault.entry;
-    let remedy = match entry.ends_with("none") {
-        true => ReasonCode::RateDisagrees.usual_remedy(),
-        false => "scale the column",
+    let remedy = match fault.mend {
+        RateMend::LeaveOut => ReasonCode::RateDisagrees.usual_remedy(),
+        RateMend::Scale => "scale the column",
     };
     Reason::new(ReasonCode::RateDisagrees, fault.text.clone())
         .change(remedy, Change::Model(vec![format!("data {{ {entry} }}")]))

@@ -35,8 +35,8 @@ pub use csv::{
 };
 pub use cubic::Cubic;
 pub use dataset::{
-    Column, ConstantValue, Dataset, HoldOut, HoldOutRange, Input, Origin, RateFault, Samples,
-    Trajectory, Window, hold_out, keep_window,
+    Column, ConstantValue, Dataset, HoldOut, HoldOutRange, Input, Origin, RateFault, RateMend,
+    Samples, Trajectory, Window, hold_out, keep_window,
 };
 pub use delays::{InputValue, KnownDelay, with_acting_inputs, with_true_readings};
 pub use derivatives::{difference_noise, is_smooth};

@@ -67,11 +67,12 @@ pub(crate) fn caveats(d: &Discovery) -> Vec<String> {
             lines.extend(wrapped(&comment_safe(&text), WIDTH, "  ", "    "));
         }
     }
+    let unit = d.time_unit();
     for (place, variable) in d.variables.iter().enumerate() {
         let delay = d.input_delay(VarId(place as u16));
         if delay != 0.0 {
             let text = format!(
-                "{} acts {} s later than it is commanded: the input to give at time t is its value at t - {}",
+                "{} acts {} {unit} later than it is commanded: the input to give at time t is its value at t - {}",
                 plain(&variable.name),
                 significant(delay, 6),
                 significant(delay, 6)
@@ -83,7 +84,7 @@ pub(crate) fn caveats(d: &Discovery) -> Vec<String> {
         let delay = d.sensor_delay(VarId(place as u16));
         if delay != 0.0 {
             let text = format!(
-                "the sensor of {} reads {} s late: its reading at time t is of t - {}",
+                "the sensor of {} reads {} {unit} late: its reading at time t is of t - {}",
                 plain(&variable.name),
                 significant(delay, 6),
                 significant(delay, 6)

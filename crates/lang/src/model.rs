@@ -335,6 +335,16 @@ pub enum ColumnKind {
 }
 
 impl Model {
+    /// What time is counted in.
+    pub fn time_unit(&self) -> String {
+        let declared = self.var(VarId::TIME).and_then(|t| t.unit.as_ref());
+        match declared {
+            _ if self.discrete => "samples".into(),
+            Some(unit) => unit.to_string(),
+            None => "s".into(),
+        }
+    }
+
     pub fn var(&self, id: VarId) -> Option<&Var> {
         self.vars.get(id.0 as usize)
     }

@@ -1,7 +1,7 @@
 //! Random systems with all functions, mixed orders, coupled and implicit laws, and names that look like code.
 
 use sidc_lang::model::VarKind;
-use sidc_lang::term::{Expr, FUNCTIONS, Func, Signal, VarId};
+use sidc_lang::term::{Expr, FUNCTIONS, Func, Function, Signal, VarId};
 use sidc_system::discovery::{Discovery, Equation, FoundTerm, Status, UnknownValue, Variable};
 
 /// A linear congruential generator, so that every machine draws the same systems.
@@ -257,7 +257,13 @@ impl Draw {
 
     /// A random function; its arguments are mostly in its domain.
     fn function(&mut self, a: Expr, depth: usize) -> Expr {
-        let f = &FUNCTIONS[self.random.below(FUNCTIONS.len())];
+        // A target refuses a function that it has no word for.
+        let spelled = |f: &&Function| {
+            let s = f.spelling;
+            ![s.rust, s.c, s.numpy, s.sympy, s.matlab].contains(&"")
+        };
+        let all: Vec<&Function> = FUNCTIONS.iter().filter(spelled).collect();
+        let f = all[self.random.below(all.len())];
         if f.arity.1 > 1 {
             let more = 1 + self.random.below(3);
             let others = (0..more).map(|_| self.expr(depth));

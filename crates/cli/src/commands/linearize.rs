@@ -80,9 +80,10 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
 /// A notice that a delay was replaced by states.
 fn approximated(d: &Discovery, delay: &DelayState) -> Notice {
     let text = format!(
-        "{} acts {} s late: A and B hold that as a second-order Padé approximant with the states {} and {}",
+        "{} acts {} {} late: A and B hold that as a second-order Padé approximant with the states {} and {}",
         d.name(delay.input),
         significant(delay.seconds, 6),
+        d.time_unit(),
         d.name(delay.state),
         d.name(Signal::derivative(delay.state.var, 1)),
     );

@@ -178,7 +178,13 @@ fn bind_run<'a>(
             out.push(d);
             return None;
         }
-        uneven = sampling_times::check_steps(&name, &rows, &mut values, table, out);
+        uneven = sampling_times::check_steps(
+            (&name, &model.time_unit()),
+            &rows,
+            &mut values,
+            table,
+            out,
+        );
         time = Some(values);
     }
     if rows.is_empty() {
@@ -191,7 +197,7 @@ fn bind_run<'a>(
         .collect();
     if let (Some(time), Some(steps)) = (&mut time, &uneven) {
         let readings = readings(model, &signals);
-        sampling_times::check_evenness(&name, (time, steps), &readings, model.discrete, out);
+        sampling_times::check_evenness(&name, (time, steps), &readings, model, out);
     }
     let numbers = || (0..rows.len()).map(|k| k as f64).collect::<Vec<f64>>();
     let time = match (time, model.data.step) {

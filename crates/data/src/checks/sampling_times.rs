@@ -4,6 +4,7 @@
 //! times that were rounded in print.
 
 use sidc_lang::diagnostic::Diagnostic;
+use sidc_lang::model::Model;
 use sidc_lang::source::Sources;
 
 use super::number_format::shown;
@@ -97,7 +98,7 @@ fn run_candidate<'a>(
 
 /// Puts rounded times back on their grid; reports gaps. The steps, if they are not those of a grid.
 pub(crate) fn check_steps(
-    name: &str,
+    (name, unit): (&str, &str),
     rows: &[usize],
     time: &mut Vec<f64>,
     table: &Table,
@@ -119,7 +120,7 @@ pub(crate) fn check_steps(
                     format!("{name}: times are an even grid rounded in print; the grid is used"),
                 )
                 .fact(format!(
-                    "step {step:.6e} s, corrections up to {worst:.1e} s"
+                    "step {step:.6e} {unit}, corrections up to {worst:.1e} {unit}"
                 )),
             );
         }
@@ -137,7 +138,7 @@ pub(crate) fn check_steps(
                 format!("{name}: {n} gap{} in time", if n == 1 { "" } else { "s" }),
             )
             .fact(format!(
-                "the first before {}; the median step is {median:.6} s, the longest {max:.6} s",
+                "the first before {}; the median step is {median:.6} {unit}, the longest {max:.6} {unit}",
                 table.place(row)
             ))
             .fact("nothing is estimated across a gap"),
@@ -151,10 +152,11 @@ pub(crate) fn check_evenness(
     name: &str,
     (time, s): (&mut Vec<f64>, &StepStatistics),
     readings: &[&[f64]],
-    discrete: bool,
+    model: &Model,
     out: &mut Vec<Diagnostic>,
 ) {
     let (min, median, max) = (s.min, s.median, s.max);
+    let (unit, discrete) = (model.time_unit(), model.discrete);
     let within = time.windows(2).map(|w| w[1] - w[0]).filter(|d| *d <= s.gap);
     let (low, high) = within.fold((f64::INFINITY, 0.0), |(a, b), d| (a.min(d), f64::max(b, d)));
     // Even but for gaps: instants off a grid by the tolerance make steps that differ by four of it at most.
@@ -162,14 +164,14 @@ pub(crate) fn check_evenness(
         return;
     }
     if !discrete && let Some(clock) = even_clock(time, readings) {
-        out.push(jitter(name, &clock));
+        out.push(jitter((name, &unit), &clock));
         *time = clock.time;
         return;
     }
     if high - low <= TIMES.even_steps * median {
         return;
     }
-    let told = format!("steps from {min:.6} to {max:.6} s, median {median:.6} s");
+    let told = format!("steps from {min:.6} to {max:.6} {unit}, median {median:.6} {unit}");
     if discrete {
         let whole = |d: f64| {
             let samples = (d / median).round();
@@ -198,13 +200,13 @@ pub(crate) fn check_evenness(
     }
 }
 
-fn jitter(name: &str, clock: &EvenClock) -> Diagnostic {
+fn jitter((name, unit): (&str, &str), clock: &EvenClock) -> Diagnostic {
     Diagnostic::warning(
         "time-jitter",
         format!("{name}: the time stamps scatter, the instants of the readings do not"),
     )
     .fact(format!(
-        "stamps lie {:.1e} s off even steps of {:.6} s (standard deviation)",
+        "stamps lie {:.1e} {unit} off even steps of {:.6} {unit} (standard deviation)",
         clock.scatter, clock.step
     ))
     .fact(format!(

@@ -11,7 +11,7 @@ mod trajectories;
 
 pub(crate) use bound_trajectory::BoundTrajectory;
 pub use hold_out::{HoldOut, HoldOutRange, hold_out};
-pub use rate_fault::RateFault;
+pub use rate_fault::{RateFault, RateMend};
 pub use samples::{Column, Origin, Samples};
 pub use time_window::{Window, keep_window};
 pub use trajectories::{ConstantValue, Dataset, Input, Trajectory};

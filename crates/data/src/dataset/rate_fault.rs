@@ -10,4 +10,14 @@ pub struct RateFault {
     pub text: String,
     /// The entry of the data block that mends it: `dx = none`.
     pub entry: String,
+    pub mend: RateMend,
+}
+
+/// What the entry does to the column of the rate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RateMend {
+    /// It becomes the slope by a factor.
+    Scale,
+    /// It is not read; the rate is estimated.
+    LeaveOut,
 }

@@ -30,13 +30,13 @@ pub(super) fn unit_of(factor: f64, tolerance: f64) -> Option<(&'static str, &'st
         .map(|(_, why, fix)| (*why, *fix))
 }
 
-/// All faults of `rate` against the samples of `state`, as one clause.
-pub(super) fn clause(rate: &str, state: &str, faults: &[Fault]) -> String {
-    let said: Vec<String> = faults.iter().map(|f| phrase(f, state)).collect();
+/// All faults of `rate` against the samples of `state`, as one clause. `unit` is that of time.
+pub(super) fn clause(rate: &str, state: &str, faults: &[Fault], unit: &str) -> String {
+    let said: Vec<String> = faults.iter().map(|f| phrase(f, state, unit)).collect();
     format!("{rate} {}", listed(&said))
 }
 
-fn phrase(fault: &Fault, state: &str) -> String {
+fn phrase(fault: &Fault, state: &str, unit: &str) -> String {
     let Fault { kind, value, error } = fault;
     let shown = with_error(value.abs(), *error, DIGITS);
     match kind {
@@ -46,10 +46,14 @@ fn phrase(fault: &Fault, state: &str) -> String {
         ),
         FaultKind::Bias if *value > 0.0 => format!("reads {shown} more than the slope of {state}"),
         FaultKind::Bias => format!("reads {shown} less than the slope of {state}"),
-        FaultKind::Lag if *value > 0.0 => format!("comes {shown} s after the slope of {state}"),
-        FaultKind::Lag => format!("comes {shown} s before the slope of {state}"),
+        FaultKind::Lag if *value > 0.0 => {
+            format!("comes {shown} {unit} after the slope of {state}")
+        }
+        FaultKind::Lag => format!("comes {shown} {unit} before the slope of {state}"),
         FaultKind::Smoothing => {
-            format!("is the slope of {state} smoothed by a window of standard deviation {shown} s")
+            format!(
+                "is the slope of {state} smoothed by a window of standard deviation {shown} {unit}"
+            )
         }
     }
 }

@@ -21,7 +21,7 @@ use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::model::Model;
 use sidc_lang::term::{Signal, SignalNames};
 
-use crate::dataset::{BoundTrajectory, Input, RateFault};
+use crate::dataset::{BoundTrajectory, Input, RateFault, RateMend};
 use consistency::{Fault, FaultKind, RateComparison};
 use stretch::{Stretch, stretches};
 use thresholds::RATES;
@@ -122,11 +122,12 @@ impl RateColumn<'_> {
         ))
     }
 
-    fn fault(&self, text: String, entry: String) -> RateFault {
+    fn fault(&self, text: String, (entry, mend): (String, RateMend)) -> RateFault {
         RateFault {
             signal: self.rate,
             text,
             entry,
+            mend,
         }
     }
 
@@ -137,12 +138,15 @@ impl RateColumn<'_> {
         let said = Diagnostic::warning("slope-disagrees", text.clone()).help(format!(
             "data {{ {rate} = none }} estimates it from {below} instead"
         ));
-        (said, self.fault(text, format!("{rate} = none")))
+        (
+            said,
+            self.fault(text, (format!("{rate} = none"), RateMend::LeaveOut)),
+        )
     }
 
     fn disagrees(&self, faults: &[Fault], source: &str) -> (Diagnostic, RateFault) {
         let (rate, below) = self.names();
-        let text = messages::clause(&rate, &below, faults);
+        let text = messages::clause(&rate, &below, faults, &self.model.time_unit());
         let said = Diagnostic::warning("slope-disagrees", text.clone());
         let unit = |f: &Fault| match f.kind {
             FaultKind::Gain => messages::unit_of(f.value, RATES.unit_tolerance),
@@ -154,12 +158,12 @@ impl RateColumn<'_> {
                 let said = said.fact(format!("{why}?")).help(format!(
                     "data {{ {entry} }}, or {rate} = none to estimate it from {below}"
                 ));
-                (said, self.fault(text, entry))
+                (said, self.fault(text, (entry, RateMend::Scale)))
             }
             None => {
                 let entry = format!("{rate} = none");
                 let said = said.help(format!("data {{ {entry} }} estimates it from {below}"));
-                (said, self.fault(text, entry))
+                (said, self.fault(text, (entry, RateMend::LeaveOut)))
             }
         }
     }

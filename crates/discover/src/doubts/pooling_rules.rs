@@ -16,10 +16,15 @@ pub(crate) fn not_followed(
     problem: &Problem,
     used: &[usize],
     left: &[RunNotFollowed],
+    time_unit: &str,
 ) -> Option<Reason> {
     let name = |t: usize| problem.names.get(t).map_or("?", String::as_str);
     let place = |l: &RunNotFollowed| match l.time {
-        Some(time) => format!("{} at {} s", name(l.trajectory), rounded(time, DIGITS)),
+        Some(time) => format!(
+            "{} at {} {time_unit}",
+            name(l.trajectory),
+            rounded(time, DIGITS)
+        ),
         None => name(l.trajectory).to_owned(),
     };
     let places: Vec<String> = left.iter().map(place).collect();
@@ -38,7 +43,7 @@ pub(crate) fn not_followed(
     let file = name(first.trajectory);
     Some(reason.remedy(match first.time {
         Some(time) => format!(
-            "look at {file} from {} s on: another plant, a sensor that fails, a motion of which the library lacks the physics; leave it out if it is none of this plant",
+            "look at {file} from {} {time_unit} on: another plant, a sensor that fails, a motion of which the library lacks the physics; leave it out if it is none of this plant",
             rounded(time, DIGITS)
         ),
         None => format!("look at {file}, and leave it out if it is none of this plant"),

@@ -80,22 +80,23 @@ pub(crate) fn late(model: &Model, late: &DelayedInputs, lag: Option<&InputLag>) 
         1 => ("acts", "its record"),
         _ => ("act", "their records"),
     };
-    let (inputs, seconds) = (inputs.join(", "), significant(late.seconds, 4));
+    let unit = model.time_unit();
+    let (inputs, delay) = (inputs.join(", "), significant(late.seconds, 4));
     let within = late.interval.map_or(String::new(), |(from, to)| {
         format!(
-            ", 95 %: {} to {} s",
+            ", 95 %: {} to {} {unit}",
             significant(from, 4),
             significant(to, 4)
         )
     });
     let text = match lag {
         None => format!(
-            "{inputs} {act} {seconds} s ({} samples{within}) later than {record}, which the criterion prefers by {:.0}",
+            "{inputs} {act} {delay} {unit} ({} samples{within}) later than {record}, which the criterion prefers by {:.0}",
             significant(late.samples, 3),
             late.gain
         ),
         Some(lag) => format!(
-            "{inputs} {act} slowly or late: a lag of about {} s explains as much as a delay of about {seconds} s, and neither explains all",
+            "{inputs} {act} slowly or late: a lag of about {} {unit} explains as much as a delay of about {delay} {unit}, and neither explains all",
             short(lag.seconds)
         ),
     };
@@ -340,10 +341,11 @@ fn outliers(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
     Some(Reason::new(
         ReasonCode::Outliers,
         format!(
-            "{}: {lie} alone, more than 5 standard deviations from the trajectory; the worst by {:.0}, in {file} at {} s",
+            "{}: {lie} alone, more than 5 standard deviations from the trajectory; the worst by {:.0}, in {file} at {} {}",
             case.names.name(c.signal),
             s.worst,
-            short(s.time)
+            short(s.time),
+            case.names.time_unit()
         ),
     )
     .change(

@@ -170,6 +170,7 @@ fn doubt(model: &Model, estimate: &DelayEstimate) -> Option<Reason> {
     let name = model.variable(estimate.delay.var);
     let (from, to) = estimate.delay.range;
     let short = |x: f64| significant(x, 3);
+    let unit = model.time_unit();
     let range = format!("{}..{}", short(from), short(to));
     if estimate.at_end {
         let upper = estimate.delay.seconds > 0.5 * (from + to);
@@ -178,7 +179,7 @@ fn doubt(model: &Model, estimate: &DelayEstimate) -> Option<Reason> {
             false => format!("delay in {}..{}", short(from - (to - from)), short(to)),
         };
         let text = format!(
-            "the likeliest delay of {name} is the end of its range, {} s, and one beyond it is likelier still",
+            "the likeliest delay of {name} is the end of its range, {} {unit}, and one beyond it is likelier still",
             short(estimate.delay.seconds),
         );
         let reason = Reason::new(ReasonCode::DelayRange, text);
@@ -195,9 +196,9 @@ fn doubt(model: &Model, estimate: &DelayEstimate) -> Option<Reason> {
     }
     estimate.is_open().then(|| {
         let text =
-            format!("the data do not tell the delay of {name}: all of {range} s fits as well");
+            format!("the data do not tell the delay of {name}: all of {range} {unit} fits as well");
         let remedy = format!(
-            "record a motion in which {name} changes faster than in {} s, or state its delay",
+            "record a motion in which {name} changes faster than in {} {unit}, or state its delay",
             short(to - from)
         );
         Reason::new(ReasonCode::DelayRange, text).remedy(remedy)

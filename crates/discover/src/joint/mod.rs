@@ -330,7 +330,7 @@ fn doubt_runs(
     watcher: &mut EquationObserver,
 ) {
     let used = problem.runs();
-    let not_followed = pooling_rules::not_followed(problem, &used, left_out);
+    let not_followed = pooling_rules::not_followed(problem, &used, left_out, &model.time_unit());
     if let Some(reason) = not_followed {
         discovery.doubt_each(|_, _| Some(reason.clone()));
     }

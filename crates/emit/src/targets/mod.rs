@@ -47,6 +47,14 @@ mod tests {
     use super::{julia, matlab, modelica, sbml, sympy};
     use sidc_lang::term::FUNCTIONS;
 
+    /// The helpers of exported code have these numbers as text: `NEWTON` in `code/c_sources/helpers.rs`, `rust.rs` and `python.rs`, and the
+    /// loops that C and MATLAB write.
+    #[test]
+    fn exported_code_ends_newton_s_method_as_the_program_does() {
+        let numbers = sidc_system::discovery::NEWTON;
+        assert_eq!((numbers.iterations, numbers.step), (50, 1e-12));
+    }
+
     /// A variable must not take the name of a function that the code may call.
     #[test]
     fn every_function_is_reserved() {

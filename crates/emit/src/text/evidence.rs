@@ -36,7 +36,7 @@ pub fn evidence(d: &Discovery) -> String {
     }
     let judged = d.equations.iter().filter_map(|e| e.evidence.as_ref());
     let judged = judged.filter_map(|e| e.identifiability.as_deref());
-    let mut lines = identifiability::ranges(judged);
+    let mut lines = identifiability::ranges(judged, &d.frequency_unit());
     lines.extend(coefficient_inference::rule(d));
     lines.extend(relations::searched(d));
     let wrapped = lines

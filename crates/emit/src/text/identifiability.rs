@@ -9,14 +9,18 @@ use sidc_system::discovery::{Excitation, Finding, Identifiability, Leverage, Rel
 const MAX_LISTED_RELATIONS: usize = 12;
 
 /// Ranges and spectra of all signals, each once.
-pub(crate) fn ranges<'a>(all: impl Iterator<Item = &'a Identifiability>) -> Vec<String> {
+pub(crate) fn ranges<'a>(
+    all: impl Iterator<Item = &'a Identifiability>,
+    frequency_unit: &str,
+) -> Vec<String> {
     let mut seen: Vec<&Excitation> = Vec::new();
     for e in all.flat_map(|i| &i.excitation) {
         if seen.iter().all(|s| s.signal != e.signal) {
             seen.push(e);
         }
     }
-    seen.into_iter().map(excitation).collect()
+    let line = |e: &Excitation| excitation(e, frequency_unit);
+    seen.into_iter().map(line).collect()
 }
 
 /// Everything about one equation.
@@ -113,7 +117,7 @@ fn relation(r: &Relation) -> String {
     )
 }
 
-fn excitation(e: &Excitation) -> String {
+fn excitation(e: &Excitation, frequency_unit: &str) -> String {
     let mut out = format!(
         "range: {} {} to {}, spread {}",
         e.signal,
@@ -123,13 +127,16 @@ fn excitation(e: &Excitation) -> String {
     );
     if let Some((frequency, share)) = e.line.filter(|(f, _)| *f > 0.0) {
         out.push_str(&format!(
-            "; {} % of its power at {} Hz",
+            "; {} % of its power at {} {frequency_unit}",
             significant(100.0 * share, 2),
             significant(frequency, 3)
         ));
     }
     if let Some(band) = e.band {
-        out.push_str(&format!("; 95 % under {} Hz", significant(band, 3)));
+        out.push_str(&format!(
+            "; 95 % under {} {frequency_unit}",
+            significant(band, 3)
+        ));
     }
     out
 }

@@ -75,17 +75,15 @@ impl Discovery {
 
     /// Every declared delay in a sentence.
     pub fn delay_sentences(&self) -> Vec<String> {
+        let unit = self.time_unit();
         let sentence = |d: &SignalDelay| {
             let kind = self.variables.iter().find(|v| v.name == d.signal);
-            let what = match kind.map(|v| v.kind) {
-                Some(VarKind::State) => "the sensor reads",
-                _ => "acts",
-            };
-            let how = if d.seconds < 0.0 { "earlier" } else { "later" };
-            let how = match what {
-                "acts" => format!("{how} than recorded"),
-                _ if d.seconds < 0.0 => "early".into(),
-                _ => "late".into(),
+            let is_state = kind.is_some_and(|v| v.kind == VarKind::State);
+            let (what, how) = match (is_state, d.seconds < 0.0) {
+                (true, true) => ("the sensor reads", "early"),
+                (true, false) => ("the sensor reads", "late"),
+                (false, true) => ("acts", "earlier than recorded"),
+                (false, false) => ("acts", "later than recorded"),
             };
             let size = significant(d.seconds.abs(), 4);
             let from = match (d.within, d.interval) {
@@ -101,10 +99,8 @@ impl Discovery {
                     format!("sought in {}..{}", significant(from, 4), significant(to, 4))
                 }
             };
-            match what {
-                "acts" => format!("{} acts {size} s {how} ({from})", d.signal),
-                _ => format!("{}: the sensor reads {size} s {how} ({from})", d.signal),
-            }
+            let colon = if is_state { ":" } else { "" };
+            format!("{}{colon} {what} {size} {unit} {how} ({from})", d.signal)
         };
         self.delays.iter().map(sentence).collect()
     }

@@ -360,6 +360,15 @@ impl Discovery {
         }
     }
 
+    /// What frequencies are counted in.
+    pub fn frequency_unit(&self) -> String {
+        match self.time_unit().as_str() {
+            "samples" => "1/sample".into(),
+            "s" => "Hz".into(),
+            unit => format!("1/{unit}"),
+        }
+    }
+
     /// A time with its unit, to two digits.
     pub fn duration(&self, time: f64) -> String {
         format!("{} {}", significant(time, 2), self.time_unit())

@@ -64,7 +64,7 @@ pub(super) fn no_start_row(d: &Discovery, state: &[Signal]) -> Diagnostic {
 pub(super) fn steps(h: f64, count: f64, most: f64) -> Diagnostic {
     Diagnostic::error(
         "too-many-steps",
-        format!("steps of {h:e} s are {count:.1e} of them; at most {most:.0e} are made"),
+        format!("steps of {h:e} are {count:.1e} of them; at most {most:.0e} are made"),
     )
     .help("take a longer --step, or none: error control takes the steps that are needed")
 }
@@ -143,6 +143,10 @@ pub(super) fn late(d: &Discovery, s: Signal, seconds: f64) -> Diagnostic {
     let how = if seconds > 0.0 { "later" } else { "earlier" };
     Diagnostic::note(
         "input-late",
-        format!("{name} acts {} s {how} than its record says", seconds.abs()),
+        format!(
+            "{name} acts {} {} {how} than its record says",
+            seconds.abs(),
+            d.time_unit()
+        ),
     )
 }

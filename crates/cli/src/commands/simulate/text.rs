@@ -37,7 +37,7 @@ fn heading(d: &Discovery, run: &Run, options: &Options) -> String {
     let rows: usize = run.legs.iter().map(|l| l.rows.len()).sum();
     let how = match options.step {
         _ if d.discrete => String::new(),
-        Some(h) => format!(", fixed steps of at most {h} s"),
+        Some(h) => format!(", fixed steps of at most {h} {}", d.time_unit()),
         None => run.work.stiff_from.map_or_else(String::new, |t| {
             format!(", stiff from t = {} on", significant(t, 6))
         }),
@@ -144,7 +144,7 @@ fn follows(d: &Discovery, s: &Score) -> String {
     match s.follows {
         None => "all".into(),
         Some(t) if d.discrete => format!("{t} samples"),
-        Some(t) => format!("{} s", significant(t, 3)),
+        Some(t) => format!("{} {}", significant(t, 3), d.time_unit()),
     }
 }
 

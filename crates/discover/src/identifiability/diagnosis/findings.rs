@@ -176,7 +176,9 @@ fn too_few_rows(design: &ScaledDesign) -> Option<Finding> {
     }
     let more = wanted.min(FINDINGS.max_rows_per_term * n).max(m + 1) - m;
     let seconds = median_step(design).map(|s| s * more as f64);
-    let time = seconds.map_or_else(String::new, |s| format!(" ({} s more)", figure(s, 2)));
+    let time = seconds.map_or_else(String::new, |s| {
+        format!(" ({} {} more)", figure(s, 2), design.model.time_unit())
+    });
     Some(Finding {
         cause: Cause::TooFewRows,
         text: format!("{m} rows for {n} terms: many sets of terms fit them"),
@@ -334,8 +336,9 @@ fn uncertain_terms(design: &ScaledDesign) -> Vec<Finding> {
                 cause: Cause::WeakTerm,
                 text: format!("the coefficient of {name} is known to {}", percent(part)),
                 advice: format!(
-                    "{} s more of such data bring it to {}{larger}",
+                    "{} {} more of such data bring it to {}{larger}",
                     figure(more, 2),
+                    design.model.time_unit(),
                     percent(FINDINGS.wanted_error),
                 ),
                 change: None,

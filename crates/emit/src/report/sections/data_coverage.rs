@@ -217,11 +217,7 @@ fn table(s: &Subject, all: &[Series]) -> String {
     if rows.is_empty() {
         return rows;
     }
-    let per = if s.discovery.discrete {
-        "per sample"
-    } else {
-        "Hz"
-    };
+    let per = s.discovery.frequency_unit();
     format!(
         "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"ranges of the signals\"><table>\n<thead><tr><th scope=\"col\">signal</th><th scope=\"col\">least</th><th scope=\"col\">greatest</th>\
          <th scope=\"col\">strongest line ({per})</th><th scope=\"col\">95 % of power under ({per})</th><th scope=\"col\">here</th></tr></thead>\n\

@@ -80,13 +80,7 @@ pub(super) fn picture(s: &Subject, x: Signal, (time, left): (&[f64], &[f64])) ->
         &Axis::new(0.0, frequency(shares.len() - 1)),
         &Axis::over(means.iter().chain(&[0.0]))?,
     );
-    let unit = match s.discovery.discrete {
-        true => "1/sample".to_string(),
-        false => match s.discovery.unit(Signal::TIME) {
-            Some(unit) if unit.to_string() != "s" => format!("1/{unit}"),
-            _ => "Hz".into(),
-        },
-    };
+    let unit = s.discovery.frequency_unit();
     let said = match share > largest_by_chance(shares.len()) {
         true => format!(
             "{} % of the power of the errors at {} {unit}",

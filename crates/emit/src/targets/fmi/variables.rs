@@ -116,8 +116,9 @@ impl Variables {
             if let Some(delay) = delays.get(i).copied().filter(|delay| *delay != 0.0) {
                 let delay = significant(delay, DELAY_DIGITS);
                 input.about = format!(
-                    "{} as it acts: the command of {delay} s ago",
-                    plain(&input.name)
+                    "{} as it acts: the command of {delay} {} ago",
+                    plain(&input.name),
+                    d.time_unit()
                 );
                 input.name = format!("delay({}, {delay})", input.name);
             }
