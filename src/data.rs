@@ -37,6 +37,7 @@ pub struct Data {
 }
 
 impl Data {
+    /// No records.
     pub fn new() -> Data {
         Data::default()
     }
@@ -107,7 +108,7 @@ impl Data {
         &self.notes
     }
 
-    /// Sets a parameter that the model declares: one value for all records, or one per record in their order.
+    /// Sets a parameter that the model declares, in its unit: one value for all records, or one per record in their order.
     pub fn param(mut self, name: &str, values: impl Into<Vec<f64>>) -> Data {
         self.params.push((name.into(), values.into()));
         self

@@ -60,6 +60,7 @@ impl Error {
         }
     }
 
+    /// What is at fault.
     pub fn kind(&self) -> ErrorKind {
         self.kind
     }

@@ -55,7 +55,7 @@ pub use target::Target;
 pub use sidc_data::HoldOutRange;
 pub use sidc_discover::Method;
 pub use sidc_progress::{Activity, Observer, SolverProgress, Stage, Stop, Unwatched};
-pub use sidc_system::discovery::{Evidence, Mark, Notice, Reason, ReasonCode, Status};
+pub use sidc_system::discovery::{Evidence, Mark, Notice, Reason, ReasonCode, RowOrigin, Status};
 pub use sidc_system::predict::{AheadFigures, ErrorFigures, Prediction, SignalPrediction};
 pub use sidc_system::result::{
     EquationEntry as Equation, FailedEntry as Failed, TermEntry as Term,

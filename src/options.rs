@@ -40,7 +40,8 @@ impl Options {
         self
     }
 
-    /// Like [`Options::noise`], for noise that grows with the signal: its standard deviation is √(floor² + (share · value)²).
+    /// Like [`Options::noise`], for noise that grows with the signal: its standard deviation is √(floor² + (share · value)²), with `floor` in
+    /// the signal's unit.
     pub fn growing_noise(mut self, signal: &str, floor: f64, share: f64) -> Options {
         self.noise
             .push((signal.into(), SensorNoise { floor, share }));
@@ -53,19 +54,19 @@ impl Options {
         self
     }
 
-    /// Holds out the record at this place, counted from 0.
+    /// Holds out the record at this place, counted from 0. Identifying data without it is [`ErrorKind::Options`].
     pub fn hold_out_run(mut self, place: usize) -> Options {
         self.held_out.files.push(place);
         self
     }
 
-    /// Uses only rows with from ≤ t ≤ to; `None` means no bound.
+    /// Uses only rows with from ≤ t ≤ to, in the unit of time; `None` means no bound.
     pub fn window(mut self, from: Option<f64>, to: Option<f64>) -> Options {
         self.window = (from, to);
         self
     }
 
-    /// How far ahead predictions are compared with the data: in seconds, or in samples in discrete time. By default the data decide.
+    /// How far ahead predictions are compared with the data, in the unit of time; in discrete time in samples. By default the data decide.
     pub fn horizon(mut self, ahead: f64) -> Options {
         self.prediction.horizon = Some(ahead);
         self

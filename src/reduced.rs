@@ -162,7 +162,7 @@ impl Model {
 
     /// Finds the equations of a table with reduced rows, by regression. Terms, doubts, predictions and runs come from the rows in `looked_at`, some stretches
     /// of the table; coefficients and standard errors come from all rows. It is a doubt if all rows prefer other terms, or coefficients outside their
-    /// intervals.
+    /// intervals. [`Options::verify`] has no effect, since the rows are no longer there.
     ///
     /// # Errors
     /// As [`Model::reduce`] and [`Model::identify`].

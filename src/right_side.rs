@@ -42,7 +42,7 @@ impl RightSide {
         &self.inputs
     }
 
-    /// How much later than recorded each component of u acts, in seconds. f takes the delayed value.
+    /// How much later than recorded each component of u acts, in the unit of time. f takes the delayed value.
     pub fn input_delays(&self) -> &[f64] {
         &self.delays
     }

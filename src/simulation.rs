@@ -18,10 +18,11 @@ pub struct Simulation {
 /// One record, simulated from its first row under its measured inputs.
 #[derive(Clone, Debug, Default)]
 pub struct SimulatedRun {
+    /// Of the record.
     pub name: String,
-    /// Times of the rows simulated, length R.
+    /// Times of the rows simulated, in the unit of time, length R.
     pub time: Vec<f64>,
-    /// States, highest derivatives, outputs: name and R values each, NaN after the run ended.
+    /// States, highest derivatives, outputs: name and R values each, in their units, NaN after the run ended.
     pub signals: Vec<(String, Vec<f64>)>,
     /// Readings of simulated signals: name and R values each, NaN if missing.
     pub measured: Vec<(String, Vec<f64>)>,

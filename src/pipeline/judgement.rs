@@ -83,7 +83,10 @@ pub fn judge(
     }
 }
 
-/// Checks for limits of signals that no equation predicts. The error holds the unknown name and the known names.
+/// Checks for limits of signals that no equation predicts.
+///
+/// # Errors
+/// The unknown name, and the names that are predicted.
 pub fn check_limits(program: &Program, options: &Options) -> Result<(), (String, Vec<String>)> {
     let known = predict::predictable(&program.model);
     let unknown = options

@@ -127,13 +127,17 @@ pub struct VariableEntry {
     pub unit: Option<String>,
 }
 
+/// An equation that was found: target = Σ coefficient · term.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct EquationEntry {
+    /// The signal on the left, as the model writes it: `ddx`, `next(x)`.
     pub target: String,
     pub terms: Vec<TermEntry>,
     pub status: Status,
+    /// Why it is doubted; empty if it passes.
     #[serde(default)]
     pub reasons: Vec<Reason>,
+    /// The figures behind it; absent for an equation that the model states.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub evidence: Option<Evidence>,
     /// Answers for larger tolerances; absent unless requested.
@@ -154,15 +158,20 @@ pub struct KnotEntry {
     pub gap: f64,
 }
 
+/// A term of an equation with its coefficient.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct TermEntry {
+    /// In the language of models: `theta*cos(theta)`.
     pub term: String,
+    /// In `unit`.
     pub coefficient: f64,
     /// Of the coefficient and its standard error; absent where some signal has none. Not read back: it follows from the variables'.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub unit: Option<String>,
+    /// Whether the model states it.
     #[serde(skip_serializing_if = "std::ops::Not::not", default)]
     pub fixed: bool,
+    /// Of the coefficient, in `unit`.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub standard_error: Option<f64>,
     /// Its value in each run, where it has one; the coefficient is their mean.
@@ -177,12 +186,15 @@ pub struct TermEntry {
     /// The best equation without the term.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub without: Option<DropOneRefit>,
+    /// How firm it is.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub mark: Option<Mark>,
 }
 
+/// An equation that was asked for and not found.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FailedEntry {
+    /// The signal on its left.
     pub target: String,
     pub reasons: Vec<Reason>,
 }
