@@ -17,6 +17,8 @@ family! {
         path_rounding: f64 = 1e-9, unit "of the target", source "set by hand";
         /// States of a linear system up to which A and B are printed with the equations.
         printed_states: usize = 12, unit "states", source "set by hand";
+        /// Share of held-out readings in the 90 % band of the data used, below which that is said.
+        band_share: f64 = 0.8, unit "", source "the band is then missed twice as often as it promises";
         /// Signals whose predictions are printed, those with the largest errors.
         predicted_signals: usize = 3, unit "signals", source "what fits into two lines; the result document has all";
         /// Error of a prediction below which it is not printed.

@@ -23,6 +23,7 @@ pub mod source;
 pub mod term;
 mod thresholds;
 pub mod units;
+mod unknown_constant;
 pub mod words;
 
 pub use check::{GeneratorSignature, Vocabulary, check};

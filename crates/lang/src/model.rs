@@ -10,6 +10,8 @@ use crate::term::{Expr, Func, Signal, SignalNames, Term, VarId};
 use crate::units;
 use crate::units::Unit;
 
+pub use crate::unknown_constant::UnknownConstant;
+
 #[derive(Clone, Debug, Default)]
 pub struct Model {
     /// Name of the `system` statement.
@@ -92,16 +94,6 @@ pub enum VarKind {
     Param,
     /// A constant that is estimated with the coefficients: [`Model::unknowns`].
     Unknown,
-}
-
-/// `unknown k in 0.1 .. 10`: a constant inside terms that is estimated with their coefficients.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct UnknownConstant {
-    pub var: VarId,
-    /// The range of its value, ends included and `from` below `to`; both signs and nine decades if `None`.
-    pub range: Option<(f64, f64)>,
-    /// Whether every run has its own value.
-    pub per_run: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -422,39 +414,5 @@ impl SignalNames for Model {
 
     fn variable(&self, var: VarId) -> &str {
         self.var(var).map_or("?", |v| &v.name)
-    }
-}
-
-/// Decades on each side of 1 if no range is given.
-const DECADES: f64 = 4.5;
-
-impl UnknownConstant {
-    /// The ranges of its value, lower end first: the declared one, or one for each sign.
-    pub fn ranges(&self) -> Vec<(f64, f64)> {
-        let (least, most) = (10_f64.powf(-DECADES), 10_f64.powf(DECADES));
-        self.range
-            .map_or_else(|| vec![(least, most), (-most, -least)], |range| vec![range])
-    }
-
-    /// The range that contains a value, or else the first.
-    pub fn range_containing(&self, value: f64) -> (f64, f64) {
-        let ranges = self.ranges();
-        let mut holding = ranges
-            .iter()
-            .filter(|(from, to)| (*from..=*to).contains(&value));
-        holding
-            .next()
-            .or(ranges.first())
-            .copied()
-            .unwrap_or((value, value))
-    }
-
-    /// The middle of its range, in the logarithm if both ends have one sign; 1 without a range.
-    pub fn start(&self) -> f64 {
-        match self.range {
-            None => 1.0,
-            Some((from, to)) if from * to > 0.0 => from.signum() * (from * to).sqrt(),
-            Some((from, to)) => 0.5 * (from + to),
-        }
     }
 }

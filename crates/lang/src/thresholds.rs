@@ -16,6 +16,8 @@ family! {
         statement_nodes: usize = 500_000, unit "nodes", source "a library of 10^5 listed terms of five nodes fits";
         /// Nodes of a whole model, ranges and copies for several targets included.
         model_nodes: usize = 2_000_000, unit "nodes", source "four of the largest statements, some 500 MB; without it 1,134 bytes took 1.9 GB: cargo +nightly fuzz run language (docs/robustness.md)";
+        /// Reach of an unknown constant without a range, on each side of 1.
+        decades: f64 = 4.5, unit "decades", source "set by hand: constants in the units of their plants; a range says more";
         /// Variables that a model declares.
         variables: usize = 10_000, unit "variables", source "set by hand; at most 65,535, the range of a variable's number";
         /// Highest derivative of a variable.
@@ -97,6 +99,8 @@ family! {
     pub(crate) LIBRARY: LibraryLimits {
         /// Terms of one list: of factors that share atoms, or of a generator that does not factor.
         listed_terms: u128 = 200_000, unit "terms", source "set by hand";
+        /// Weight of each power of a factor that `prefer degree` and graded norms penalize.
+        penalty: f64 = 1e5, unit "", source "more than coefficients of laws differ, little enough for the arithmetic of the solver";
         /// Products that a set may fall into.
         products: usize = 10_000, unit "products", source "set by hand";
         /// Memory of all libraries of a model, if nothing else is said.

@@ -197,7 +197,10 @@ fn signal(s: &SignalPrediction) -> String {
 /// Set if predictions of held-out data miss a band more than twice as often as the one time in ten that it promises.
 fn band_misses(s: &SignalPrediction) -> Option<String> {
     let band = s.band.as_ref()?;
-    let held = band.held_out.as_ref().filter(|h| h.fixed < 0.8)?;
+    let held = band
+        .held_out
+        .as_ref()
+        .filter(|h| h.fixed < PRINTED.band_share)?;
     Some(format!(
         "{} there beyond the {} of the data used in {:.0} % instead of 10",
         s.signal,

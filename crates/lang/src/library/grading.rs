@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::term::{Atom, Term};
+use crate::thresholds::LIBRARY;
 
 /// A grading of the 1-norm: a term weighs κ^d times the length of its column, d its degree.
 ///
@@ -17,7 +18,7 @@ pub struct Grading {
     pub base: f64,
     /// How much each power of a factor adds to the degree: 1 for factors that are not listed, and for all with `None`.
     pub counts: Option<Arc<BTreeMap<Atom, f64>>>,
-    /// Each power of this factor multiplies the weight by [`Grading::DEAR`], so that its terms are selected only if nothing else fits.
+    /// Each power of this factor multiplies the weight by `LIBRARY.penalty`, so that its terms are selected only if nothing else fits.
     pub penalized: Option<Atom>,
 }
 
@@ -28,26 +29,24 @@ impl Grading {
         counts: None,
         penalized: None,
     };
-    /// The weight of each power of a dear factor: more than coefficients of laws differ, little enough for the arithmetic.
-    pub const DEAR: f64 = 1e5;
 
     pub fn is_plain(&self) -> bool {
         self.base == 1.0
     }
 
-    /// κ^d, times the weight of dear factors.
+    /// κ^d, times the weight of the penalized factor.
     pub fn of(&self, term: &Term) -> f64 {
         let count = |atom: &Atom| {
             let counted = self.counts.as_ref().and_then(|c| c.get(atom));
             counted.copied().unwrap_or(1.0)
         };
         let degree = |(atom, power): (&Atom, f64)| count(atom) * power.abs();
-        let dear = |(atom, power): (&Atom, f64)| match self.penalized.as_ref() == Some(atom) {
+        let powers = |(atom, power): (&Atom, f64)| match self.penalized.as_ref() == Some(atom) {
             true => power.abs(),
             false => 0.0,
         };
-        let dear: f64 = term.factors().map(dear).sum();
-        self.base.powf(term.factors().map(degree).sum()) * Grading::DEAR.powf(dear)
+        let powers: f64 = term.factors().map(powers).sum();
+        self.base.powf(term.factors().map(degree).sum()) * LIBRARY.penalty.powf(powers)
     }
 }
 

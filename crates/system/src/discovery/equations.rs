@@ -14,7 +14,6 @@ use crate::discovery::{
     RunCoefficient, SparsestProof, TermEvidence, Verification, Witness,
 };
 use sidc_lang::model::{Model, VarKind};
-use sidc_lang::number::significant;
 use sidc_lang::term::{Language, Signal, SignalNames, Term, VarId};
 use sidc_lang::units;
 use sidc_lang::units::Unit;
@@ -349,29 +348,6 @@ impl Discovery {
     pub fn unit(&self, s: Signal) -> Option<Unit> {
         let of = |id: VarId| self.variable_of(id)?.unit.as_ref();
         units::derivative(of(s.var)?, of(VarId::TIME)?, s.der)
-    }
-
-    /// What time is counted in.
-    pub fn time_unit(&self) -> String {
-        match self.unit(Signal::TIME) {
-            _ if self.discrete => "samples".into(),
-            Some(unit) => unit.to_string(),
-            None => "s".into(),
-        }
-    }
-
-    /// What frequencies are counted in.
-    pub fn frequency_unit(&self) -> String {
-        match self.time_unit().as_str() {
-            "samples" => "1/sample".into(),
-            "s" => "Hz".into(),
-            unit => format!("1/{unit}"),
-        }
-    }
-
-    /// A time with its unit, to two digits.
-    pub fn duration(&self, time: f64) -> String {
-        format!("{} {}", significant(time, 2), self.time_unit())
     }
 
     /// The unit of a term's coefficient, and of its standard error; `None` where some signal has none.

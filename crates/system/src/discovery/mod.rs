@@ -20,6 +20,7 @@ mod run_parameters;
 mod signal_delays;
 mod sparsest_proof;
 pub mod thresholds;
+mod time_units;
 mod unknown_values;
 mod verification;
 
