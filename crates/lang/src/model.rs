@@ -329,12 +329,8 @@ pub enum ColumnKind {
 impl Model {
     /// What time is counted in.
     pub fn time_unit(&self) -> String {
-        let declared = self.var(VarId::TIME).and_then(|t| t.unit.as_ref());
-        match declared {
-            _ if self.discrete => "samples".into(),
-            Some(unit) => unit.to_string(),
-            None => "s".into(),
-        }
+        let time = self.var(VarId::TIME);
+        units::of_time(self.discrete, time.and_then(|t| t.unit.as_ref()))
     }
 
     pub fn var(&self, id: VarId) -> Option<&Var> {

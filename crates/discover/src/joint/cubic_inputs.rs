@@ -14,7 +14,7 @@ use crate::trajectory::{
 use sidc_progress::EquationObserver;
 
 /// What the readings say of inputs along cubics between their samples, and whether a search with them is possible.
-pub(crate) fn curved_inputs(
+pub(crate) fn cubic_inputs(
     problem: &Problem,
     delays: &DeclaredDelays,
     searched: &Searched,

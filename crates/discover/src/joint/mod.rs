@@ -42,7 +42,7 @@ use crate::doubts::{pooling_rules, trajectory_rules};
 use crate::interruption::{self, doubt_unassessed};
 use crate::joint::constrained_search::{ConstrainedAnswer, SearchOutcome};
 use crate::joint::constraint_doubts::{contradiction, doubts, refuse_contradiction};
-use crate::joint::cubic_inputs::curved_inputs;
+use crate::joint::cubic_inputs::cubic_inputs;
 use crate::joint::declared_delays::DeclaredDelays;
 use crate::joint::joint_fit::JointFit;
 use crate::joint::library_probe::probe_libraries;
@@ -197,7 +197,7 @@ fn search_jointly<T>(
         None => search_with_constants(of, data, starts, options, watcher),
         Some(scope) => sketch_with_constants(of, data, (starts, scope), options, watcher),
     };
-    let curved = (searched.as_ref()).and_then(|s| curved_inputs(given.1, &delays, s, watcher));
+    let curved = (searched.as_ref()).and_then(|s| cubic_inputs(given.1, &delays, s, watcher));
     if let Some((curved, true)) = &curved
         && curved.gain > TERM_SELECTION.tie
     {

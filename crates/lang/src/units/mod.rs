@@ -11,6 +11,6 @@ mod unit_parser;
 mod unit_table;
 
 pub use exponent::Exponent;
-pub use term_units::{coefficient, derivative, of_term};
+pub use term_units::{coefficient, derivative, of_term, of_time};
 pub use unit::{Commensurability, Unit};
 pub use unit_parser::{Misspelling, UnitSyntaxError, parse};

@@ -5,6 +5,15 @@
 use crate::term::{Atom, Expr, Signal, Term, UnitRule};
 use crate::units::unit::Unit;
 
+/// What time is counted in: samples in discrete time, seconds if no unit was declared.
+pub fn of_time(discrete: bool, declared: Option<&Unit>) -> String {
+    match declared {
+        _ if discrete => "samples".into(),
+        Some(unit) => unit.to_string(),
+        None => "s".into(),
+    }
+}
+
 /// The unit of a derivative: the variable's unit per the unit of time to the power `order`.
 pub fn derivative(variable: &Unit, time: &Unit, order: u8) -> Option<Unit> {
     variable.per(&time.power(f64::from(order))?)

@@ -5,21 +5,18 @@
 use super::equations::Discovery;
 use sidc_lang::number::significant;
 use sidc_lang::term::Signal;
+use sidc_lang::units;
 
 impl Discovery {
     /// What time is counted in.
     pub fn time_unit(&self) -> String {
-        match self.unit(Signal::TIME) {
-            _ if self.discrete => "samples".into(),
-            Some(unit) => unit.to_string(),
-            None => "s".into(),
-        }
+        units::of_time(self.discrete, self.unit(Signal::TIME).as_ref())
     }
 
     /// What frequencies are counted in.
     pub fn frequency_unit(&self) -> String {
         match self.time_unit().as_str() {
-            "samples" => "1/sample".into(),
+            _ if self.discrete => "1/sample".into(),
             "s" => "Hz".into(),
             unit => format!("1/{unit}"),
         }

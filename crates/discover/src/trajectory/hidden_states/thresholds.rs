@@ -34,9 +34,9 @@ family! {
         /// Relative difference from which a value of a constant counts as another one.
         distinct: f64 = 0.1, unit "of the value", source "a tenth is more than a settled fit moves";
         /// First step of an improvement.
-        first_step: f64 = 0.4, unit "of the value", source "a little less than the factor of 1.5 between two values that are tried";
+        first_step: f64 = 0.4, unit "of the value", source "the logarithm of the factor of 1.5 between two values that are tried";
         /// Relative difference up to which two improved values are one.
-        same: f64 = 0.05, unit "of the value", source "twice the last step of an improvement";
+        same: f64 = 0.05, unit "of the value", source "the last step of an improvement: the first one halved three times";
         /// Most time constants tried.
         times: usize = 100, unit "time constants", source "from the step of a million samples to three times their record";
         /// Longest time constant tried.
@@ -80,7 +80,7 @@ family! {
         /// Fall of the sum of squares at which a part is done.
         converged: f64 = 1e-3, unit "of the sum", source "the fit of the trajectory goes on from there";
         /// Relative difference of all constants up to which two fits are one.
-        same: f64 = 0.02, unit "of the value", source "fits that are done at `converged` end within that of each other";
+        same: f64 = 0.02, unit "of the value", source "set by hand";
         /// Damping of the first step, and the least and most of any.
         damping: [f64; 3] = [1e-3, 1e-9, 1e6], unit "of the curvature", source "Marquardt 1963; 1e-9 is no damping, at 1e6 a step moves nothing";
         /// Samples of a part at least.

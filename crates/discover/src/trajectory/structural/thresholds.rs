@@ -40,9 +40,9 @@ family! {
         /// Change of the readings below which a relative change of 1, all of the parameter, is not seen.
         unseen: f64 = 1.0, unit "standard deviations", source "the parameter is then known to no better than itself";
         /// Singular value that is zero.
-        rounding: f64 = 1e-8, unit "of the largest", source "the root of rounding: sensitivities are differences of runs";
+        rounding: f64 = 1e-8, unit "of the largest", source "set by hand";
         /// Change above which a parameter belongs to a direction.
-        part: f64 = 0.1, unit "of the largest", source "a parameter that moves by less has a power of nearly zero in the combination";
+        part: f64 = 0.1, unit "of the largest", source "set by hand";
         /// How loosely samples of hidden states are held.
         hold: f64 = 1e4, unit "of their hold in a fit", source "holding them then determines nothing";
     }
