@@ -7,6 +7,7 @@
 
 pub mod algebra;
 pub mod discovery;
+pub mod least_squares;
 pub mod predict;
 pub mod ranked_reasons;
 pub mod result;
@@ -20,6 +21,7 @@ pub fn thresholds() -> Vec<sidc_thresholds::Table> {
     let modules = [
         discovery::thresholds::tables(),
         algebra::thresholds::tables(),
+        least_squares::thresholds::tables(),
         simulate::thresholds::tables(),
         switching::thresholds::tables(),
         predict::thresholds::tables(),

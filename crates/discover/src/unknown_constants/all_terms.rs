@@ -8,12 +8,12 @@
 
 use super::profile::Profile;
 use super::search_points::{alike, apart};
-use super::searched_constant::set_values;
 use super::thresholds::UNKNOWNS;
 use super::variable_projection::project;
 use crate::dictionary::compile;
 use sidc_progress::Observer;
 use sidc_solve::minimum_norm_least_squares;
+use sidc_solve::threads::{self, map_watched};
 
 /// The residuals of all terms at some values of the constants.
 struct WholeResidual {
@@ -34,13 +34,13 @@ pub(super) fn minima(
     let Some(all) = columns(profile) else {
         return Vec::new();
     };
-    let mut seen: Vec<WholeResidual> = Vec::new();
-    for values in points {
-        if !observer.go_on() {
-            break;
-        }
-        seen.extend(left(profile, values));
-    }
+    let here = &*profile;
+    let at = |values: &Vec<f64>, observer: &mut dyn Observer| match observer.go_on() {
+        true => left(here, values),
+        false => None,
+    };
+    let seen = map_watched(threads::available(), points.iter().collect(), observer, at);
+    let mut seen: Vec<WholeResidual> = seen.into_iter().flatten().collect();
     seen.sort_by(|a, b| a.deviance.total_cmp(&b.deviance));
     let mut out: Vec<WholeResidual> = Vec::new();
     for point in seen {
@@ -49,13 +49,14 @@ pub(super) fn minima(
             out.push(point);
         }
     }
-    for point in &mut out {
-        let refined = project(profile, &all, &point.values);
-        let there = refined.and_then(|r| left(profile, &r.values));
-        if let Some(there) = there.filter(|t| t.deviance < point.deviance) {
-            *point = there;
-        }
-    }
+    let refined = |point: WholeResidual| {
+        let refined = project(here, &all, &point.values);
+        let there = refined.and_then(|r| left(here, &r.values));
+        there
+            .filter(|t| t.deviance < point.deviance)
+            .unwrap_or(point)
+    };
+    let mut out = threads::map(out, refined);
     out.sort_by(|a, b| a.deviance.total_cmp(&b.deviance));
     let mut ends: Vec<WholeResidual> = Vec::new();
     for end in out {
@@ -82,13 +83,13 @@ fn columns(profile: &Profile) -> Option<Vec<Vec<usize>>> {
 }
 
 /// `None` where a term has no value.
-fn left(profile: &mut Profile, values: &[f64]) -> Option<WholeResidual> {
-    set_values(&mut profile.samples, &profile.sought, values);
+fn left(profile: &Profile, values: &[f64]) -> Option<WholeResidual> {
+    let samples = profile.samples_at(values);
     let mut residuals = Vec::new();
     let mut deviance = 0.0;
     for e in &profile.equations {
-        let y = e.target_values(&profile.samples)?;
-        let phi = compile(&e.library, &profile.samples, Some(&e.row)).ok()?;
+        let y = e.target_values(&samples)?;
+        let phi = compile(&e.library, &samples, Some(&e.row)).ok()?;
         let fit = minimum_norm_least_squares(phi.as_ref(), &y);
         let free = (phi.rows() - fit.rank.min(phi.rows() - 1)) as f64;
         let variance = (fit.residual * fit.residual / free).max(f64::MIN_POSITIVE);

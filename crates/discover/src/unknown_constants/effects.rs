@@ -35,8 +35,8 @@ pub(crate) fn constant_effects(
 ) -> Option<Vec<Option<ConstantEffect>>> {
     let all = sought(model, samples);
     let values = values_of(samples, &all)?;
-    let (mut profile, supports) = fitted((model, libraries), samples, found, options)?;
-    let slopes = project(&mut profile, &supports, &values)?.slopes;
+    let (profile, supports) = fitted((model, libraries), samples, found, options)?;
+    let slopes = project(&profile, &supports, &values)?.slopes;
     let mut out: Vec<Option<ConstantEffect>> = vec![None; values.len()];
     for ((e, support), slopes) in profile.equations.iter().zip(&supports).zip(&slopes) {
         for (row, term) in support.iter().enumerate() {

@@ -11,18 +11,19 @@ use super::searched_constant::SearchedConstant;
 use super::thresholds::UNKNOWNS;
 use super::variable_projection::project;
 use sidc_progress::Observer;
+use sidc_solve::threads::{self, map_watched};
 
 /// The best terms at the constants that fit a proper part of the best point's terms, for each such part.
 pub(super) fn with_fewer_terms(
-    profile: &mut Profile,
+    profile: &Profile,
     best: &ProfilePoint,
     observer: &mut dyn Observer,
 ) -> Vec<ProfilePoint> {
-    let mut out = Vec::new();
     if profile.is_large() {
         // With a large library each point takes a basis pursuit, which would take too long.
-        return out;
+        return Vec::new();
     }
+    let mut all = Vec::new();
     for (place, support) in best.supports.iter().enumerate() {
         for part in parts(support) {
             let mut supports = best.supports.clone();
@@ -32,11 +33,15 @@ pub(super) fn with_fewer_terms(
             if !signals.any(|s| equation.holds(&supports[place], s)) {
                 continue;
             }
-            let refined = project(profile, &supports, &best.values);
-            out.extend(refined.and_then(|r| profile.at(&r.values, observer)));
+            all.push(supports);
         }
     }
-    out
+    let refined = |supports: Vec<Vec<usize>>, observer: &mut dyn Observer| {
+        let refined = project(profile, &supports, &best.values)?;
+        profile.at(&refined.values, observer)
+    };
+    let refined = map_watched(threads::available(), all, observer, refined);
+    refined.into_iter().flatten().collect()
 }
 
 /// The proper parts of a support that is not too large, none empty.

@@ -8,15 +8,16 @@
 
 use super::maxima::Grid;
 use super::profile::{Profile, ProfiledEquation};
-use super::searched_constant::set_values;
 use super::thresholds::GREEDY;
 use crate::dictionary::compile;
+use sidc_data::Samples;
 use sidc_progress::Observer;
+use sidc_solve::threads::{self, map_watched};
 use sidc_solve::{Omp, Problem};
 
 /// At most `greedy.minima` of the points.
 pub(super) fn minima(
-    profile: &mut Profile,
+    profile: &Profile,
     points: &[Vec<f64>],
     observer: &mut dyn Observer,
 ) -> Vec<Vec<f64>> {
@@ -32,28 +33,29 @@ pub(super) fn minima(
 
 /// The points at which the terms have values, those of the least criterion first.
 pub(super) fn ranked(
-    profile: &mut Profile,
+    profile: &Profile,
     points: Vec<Vec<f64>>,
     observer: &mut dyn Observer,
 ) -> Vec<Vec<f64>> {
-    let mut seen: Vec<(f64, Vec<f64>)> = Vec::new();
-    for values in points {
+    let judged = |values: Vec<f64>, observer: &mut dyn Observer| {
         if !observer.go_on() {
-            break;
+            return None;
         }
-        set_values(&mut profile.samples, &profile.sought, &values);
-        let each = profile.equations.iter().map(|e| criterion(profile, e));
+        let samples = profile.samples_at(&values);
+        let each = profile.equations.iter().map(|e| criterion(e, &samples));
         let whole: Option<f64> = each.sum();
-        seen.extend(whole.map(|c| (c, values)));
-    }
+        Some((whole?, values))
+    };
+    let seen = map_watched(threads::available(), points, observer, judged);
+    let mut seen: Vec<(f64, Vec<f64>)> = seen.into_iter().flatten().collect();
     seen.sort_by(|a, b| a.0.total_cmp(&b.0));
     seen.into_iter().map(|(_, values)| values).collect()
 }
 
 /// The least criterion of an equation along its greedy path; `None` where a term has no value.
-fn criterion(profile: &Profile, equation: &ProfiledEquation) -> Option<f64> {
-    let target = equation.target_values(&profile.samples)?;
-    let phi = compile(&equation.library, &profile.samples, Some(&equation.row)).ok()?;
+fn criterion(equation: &ProfiledEquation, samples: &Samples) -> Option<f64> {
+    let target = equation.target_values(samples)?;
+    let phi = compile(&equation.library, samples, Some(&equation.row)).ok()?;
     let problem = Problem {
         dictionary: phi.as_ref(),
         target: &target,

@@ -4,7 +4,7 @@
 
 use std::borrow::Cow;
 
-use super::searched_constant::{SearchedConstant, set_values, shared};
+use super::searched_constant::{SearchedConstant, shared, with_values};
 use super::thresholds::{GREEDY, PRICING, UNKNOWNS};
 use crate::dictionary::{compile, subtract};
 use crate::known_terms::fixed_terms;
@@ -178,13 +178,18 @@ impl<'a> Profile<'a> {
         all.any(|e| e.library.slots() > TERM_SELECTION.exhaustive_columns)
     }
 
+    /// The rows with these values of the constants.
+    pub fn samples_at(&self, values: &[f64]) -> Samples {
+        with_values(&self.samples, &self.sought, values)
+    }
+
     /// The best terms at these values; `None` where a term has no value, or the observer ends the work.
-    pub fn at(&mut self, values: &[f64], observer: &mut dyn Observer) -> Option<ProfilePoint> {
-        set_values(&mut self.samples, &self.sought, values);
+    pub fn at(&self, values: &[f64], observer: &mut dyn Observer) -> Option<ProfilePoint> {
+        let samples = self.samples_at(values);
         let (mut criterion, mut supports) = (0.0, Vec::new());
         for e in &self.equations {
-            let y = e.target_values(&self.samples)?;
-            let phi = compile(&e.library, &self.samples, Some(&e.row)).ok()?;
+            let y = e.target_values(&samples)?;
+            let phi = compile(&e.library, &samples, Some(&e.row)).ok()?;
             let proposed = match phi.cols() > TERM_SELECTION.exhaustive_columns {
                 false => Vec::new(),
                 true => self.proposed(e, phi.as_ref(), &y, observer),

@@ -35,7 +35,7 @@ pub(crate) fn rivals(
     if others.is_empty() || model.unknowns.iter().any(|u| u.per_run) {
         return Vec::new();
     }
-    let mut profile = Profile::new(model, libraries, (samples, UNKNOWNS.rows), options);
+    let profile = Profile::new(model, libraries, (samples, UNKNOWNS.rows), options);
     let Some(here) = profile.at(values, observer) else {
         return Vec::new();
     };

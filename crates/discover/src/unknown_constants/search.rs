@@ -19,6 +19,7 @@ use sidc_lang::library::Library;
 use sidc_lang::model::Model;
 use sidc_lang::term::Term;
 use sidc_progress::Observer;
+use sidc_solve::threads::{self, map_watched};
 use sidc_system::discovery::Discovery;
 
 /// Which minima are sought.
@@ -66,7 +67,7 @@ pub fn minima(
     let whole = all_terms::minima(&mut profile, &dense, observer);
     let every = dense.len().div_ceil(profile.most_points());
     let points = match large {
-        true => proposed(&mut profile, dense, every, observer),
+        true => proposed(&profile, dense, every, observer),
         false => dense.into_iter().step_by(every).collect(),
     };
     // For a single constant the points are dense enough.
@@ -75,7 +76,7 @@ pub fn minima(
         false => rough_minima(&mut profile, &points, observer),
     };
     let points: Vec<Vec<f64>> = [points, whole.clone(), rough].concat();
-    let mut starts = best_points(&mut profile, &points, observer);
+    let mut starts = best_points(&profile, &points, observer);
     if large {
         starts.truncate(PRICING.starts);
     }
@@ -89,9 +90,9 @@ pub fn minima(
         let with_own = |s: &ProfilePoint| profile.at(&by_run(&s.values), observer);
         starts = starts.iter().filter_map(with_own).collect();
     }
-    let mut ends = ends(&mut profile, &starts, observer);
+    let mut ends = ends(&profile, &starts, observer);
     if let Some(best) = ends.first() {
-        let fewer = with_fewer_terms(&mut profile, best, observer);
+        let fewer = with_fewer_terms(&profile, best, observer);
         ends.extend(fewer);
         ends.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
     }
@@ -146,7 +147,7 @@ fn rough_minima(
 /// Values that basis pursuit over the ranges proposes, from every `every`th point, and those at which few terms describe the targets; of both,
 /// the ones with the least criterion of few terms.
 fn proposed(
-    profile: &mut Profile,
+    profile: &Profile,
     points: Vec<Vec<f64>>,
     every: usize,
     observer: &mut dyn Observer,
@@ -165,26 +166,25 @@ fn proposed(
 
 /// The best of some points, no two with the same terms close to each other.
 fn best_points(
-    profile: &mut Profile,
+    profile: &Profile,
     points: &[Vec<f64>],
     observer: &mut dyn Observer,
 ) -> Vec<ProfilePoint> {
-    let mut seen: Vec<ProfilePoint> = Vec::new();
-    for values in points {
-        seen.extend(profile.at(values, observer));
-    }
+    let at = |values: &Vec<f64>, observer: &mut dyn Observer| profile.at(values, observer);
+    let seen = map_watched(threads::available(), points.iter().collect(), observer, at);
+    let mut seen: Vec<ProfilePoint> = seen.into_iter().flatten().collect();
     seen.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
     distinct(profile, &seen).into_iter().cloned().collect()
 }
 
 /// The minimum reached from each start, the best first.
 fn ends(
-    profile: &mut Profile,
+    profile: &Profile,
     starts: &[ProfilePoint],
     observer: &mut dyn Observer,
 ) -> Vec<ProfilePoint> {
-    let ends = starts.iter().cloned();
-    let mut ends: Vec<ProfilePoint> = ends.map(|s| downhill(profile, s, observer)).collect();
+    let end = |start, observer: &mut dyn Observer| downhill(profile, start, observer);
+    let mut ends = map_watched(threads::available(), starts.to_vec(), observer, end);
     ends.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
     ends
 }
@@ -205,7 +205,7 @@ fn distinct<'a>(profile: &Profile, seen: &'a [ProfilePoint]) -> Vec<&'a ProfileP
 
 /// Refines constants and selects terms in turn, until the terms no longer change.
 fn downhill(
-    profile: &mut Profile,
+    profile: &Profile,
     mut here: ProfilePoint,
     observer: &mut dyn Observer,
 ) -> ProfilePoint {
@@ -234,8 +234,8 @@ pub fn refine(
     found: &Discovery,
     options: &Options,
 ) -> Option<Vec<f64>> {
-    let (mut profile, supports) = fitted((model, libraries), samples, found, options)?;
-    Some(project(&mut profile, &supports, values)?.values)
+    let (profile, supports) = fitted((model, libraries), samples, found, options)?;
+    Some(project(&profile, &supports, values)?.values)
 }
 
 /// The profile on all rows, with the columns of the terms that were found.
@@ -278,12 +278,12 @@ pub fn constant_errors(
     found: &Discovery,
     options: &Options,
 ) -> Option<ConstantErrors> {
-    let (mut profile, supports) = fitted((model, libraries), samples, found, options)?;
+    let (profile, supports) = fitted((model, libraries), samples, found, options)?;
     let Projected {
         information,
         slopes,
         ..
-    } = project(&mut profile, &supports, values)?;
+    } = project(&profile, &supports, values)?;
     let covariance = covariance(&information);
     let n = values.len();
     let standard_errors = (0..n).map(|k| covariance[(k, k)].sqrt()).collect();

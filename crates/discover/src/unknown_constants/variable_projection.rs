@@ -13,7 +13,7 @@ use super::thresholds::UNKNOWNS;
 use crate::dictionary::evaluate;
 use sidc_data::Samples;
 use sidc_lang::term::{Expr, Signal, Term};
-use sidc_solve::linalg::damped_step;
+use sidc_system::least_squares::{Descent, LeastSquares, levenberg_marquardt};
 
 /// Values, and what is known of them.
 pub(super) struct Projected {
@@ -36,7 +36,7 @@ struct Linearized {
 
 /// Goes downhill from some values. `None` where a term has no value there.
 pub(super) fn project(
-    profile: &mut Profile,
+    profile: &Profile,
     supports: &[Vec<usize>],
     start: &[f64],
 ) -> Option<Projected> {
@@ -52,30 +52,19 @@ pub(super) fn project(
         .zip(start)
         .map(|(s, v)| Coordinate::new(s.unknown.range_containing(*v)))
         .collect();
-    let mut here = linearize(profile, &terms, start)?;
-    let mut values = start.to_vec();
-    let mut damping = 1e-3;
-    for _ in 0..UNKNOWNS.steps {
-        let (normal, right) = normal_equations(&here, &values, &coordinates);
-        let Some(step) = damped_step(&normal, &right, damping) else {
-            break;
-        };
-        let moved = values.iter().zip(&coordinates).zip(step.iter());
-        let trial: Vec<f64> = moved.map(|((v, c), s)| c.moved(*v, *s)).collect();
-        let there = linearize(profile, &terms, &trial).filter(|t| total(t) < total(&here));
-        let small = |(a, b): (&f64, &f64)| (a - b).abs() <= UNKNOWNS.settled * a.abs();
-        let settled = values.iter().zip(&trial).all(small);
-        match there {
-            Some(there) => {
-                (here, values) = (there, trial);
-                damping = (0.1 * damping).max(1e-12);
-            }
-            None => damping *= 10.0,
-        }
-        if settled || damping > 1e12 {
-            break;
-        }
-    }
+    let mut problem = Projection {
+        profile,
+        samples: profile.samples.clone(),
+        terms: &terms,
+        coordinates: &coordinates,
+    };
+    let descent = Descent {
+        steps: UNKNOWNS.steps,
+        converged: 0.0,
+        still: UNKNOWNS.settled,
+    };
+    let found = levenberg_marquardt(&mut problem, start.to_vec(), descent)?;
+    let (values, here) = (found.point, found.fit);
     let n = values.len();
     let mut information = DMatrix::zeros(n, n);
     for (equation, e) in here.iter().zip(&profile.equations) {
@@ -90,37 +79,54 @@ pub(super) fn project(
     })
 }
 
-fn total(all: &[Linearized]) -> f64 {
-    all.iter().map(|l| l.criterion).sum()
+/// The criterion of all equations as a function of the constants, coefficients projected out.
+struct Projection<'p, 'a> {
+    profile: &'p Profile<'a>,
+    /// The rows, with the values tried last.
+    samples: Samples,
+    terms: &'p [Vec<Term>],
+    coordinates: &'p [Coordinate],
 }
 
-fn normal_equations(
-    here: &[Linearized],
-    values: &[f64],
-    coordinates: &[Coordinate],
-) -> (DMatrix<f64>, DVector<f64>) {
-    let n = values.len();
-    let (mut normal, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
-    for l in here {
-        let mut j = l.jacobian.clone();
-        for (k, (v, c)) in values.iter().zip(coordinates).enumerate() {
-            j.column_mut(k).scale_mut(c.slope(*v));
-        }
-        normal += j.transpose() * &j / l.variance;
-        right -= j.transpose() * &l.residual / l.variance;
+impl LeastSquares for Projection<'_, '_> {
+    type Point = Vec<f64>;
+    type Fit = Vec<Linearized>;
+
+    fn fit(&mut self, values: &Vec<f64>) -> Option<Vec<Linearized>> {
+        set_values(&mut self.samples, &self.profile.sought, values);
+        linearize(self.profile, &self.samples, self.terms)
     }
-    (normal, right)
+
+    fn value(&self, all: &Vec<Linearized>) -> f64 {
+        all.iter().map(|l| l.criterion).sum()
+    }
+
+    fn normal_equations(
+        &mut self,
+        values: &Vec<f64>,
+        all: &Vec<Linearized>,
+    ) -> Option<(DMatrix<f64>, DVector<f64>)> {
+        let n = values.len();
+        let (mut normal, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
+        for l in all {
+            let mut j = l.jacobian.clone();
+            for (k, (v, c)) in values.iter().zip(self.coordinates).enumerate() {
+                j.column_mut(k).scale_mut(c.slope(*v));
+            }
+            normal += j.transpose() * &j / l.variance;
+            right -= j.transpose() * &l.residual / l.variance;
+        }
+        Some((normal, right))
+    }
+
+    fn moved(&self, values: &Vec<f64>, step: &DVector<f64>) -> Vec<f64> {
+        let moved = values.iter().zip(self.coordinates).zip(step.iter());
+        moved.map(|((v, c), s)| c.moved(*v, *s)).collect()
+    }
 }
 
 /// All equations at some values; `None` where a term has none, or its columns are dependent.
-fn linearize(
-    profile: &mut Profile,
-    terms: &[Vec<Term>],
-    values: &[f64],
-) -> Option<Vec<Linearized>> {
-    set_values(&mut profile.samples, &profile.sought, values);
-    let profile = &*profile;
-    let samples = &profile.samples;
+fn linearize(profile: &Profile, samples: &Samples, terms: &[Vec<Term>]) -> Option<Vec<Linearized>> {
     let one = |(e, terms): (&super::profile::ProfiledEquation, &Vec<Term>)| {
         let y = DVector::from_vec(e.target_values(samples)?);
         let weighted = |mut column: Vec<f64>| {

@@ -3,7 +3,6 @@
 //! In: numbers, column after column. Out: products and factors. It stays on the calling thread, so that sums come out the
 //! same on any number of cores. It knows no equation.
 
-mod damped_step;
 mod householder;
 mod numerical_rank;
 mod pivoted_qr;
@@ -14,7 +13,6 @@ mod rank_revealing_qr;
 mod svd;
 mod vectors;
 
-pub use damped_step::damped_step;
 pub use numerical_rank::{rank, symmetric_rank};
 pub use pivoted_qr::PivotedQr;
 pub use products::{

@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::local_fit::local_derivative;
 use super::thresholds::STATE_FIT;
+use crate::least_squares::{Descent, LeastSquares, difference_equations, levenberg_marquardt};
 use crate::simulate::SegmentRuns;
 use sidc_lang::term::Signal;
 use sidc_progress::Observer;
@@ -123,43 +124,19 @@ impl<'a> StateEstimator<'a> {
             return self.reading(row).ok_or(NoState::Unread);
         }
         let from = row.checked_sub(rows_before).ok_or(NoState::Unread)?;
-        let mut x = self.guess(from, row).ok_or(NoState::Unread)?;
-        let followed = self.follow(from, row, &x, observer);
-        let (mut left, mut end) = followed.ok_or(NoState::NotRun)?;
-        let sizes = self.runs.sizes();
-        let mut damping = 1e-3;
-        for _ in 0..STATE_FIT.steps {
-            let Some(slopes) = self.slopes((from, row), &x, &left, observer) else {
-                break;
-            };
-            let mut normal = slopes.transpose() * &slopes;
-            let right = -(slopes.transpose() * &left);
-            let largest = normal.diagonal().amax();
-            // What the readings do not determine stays as it was guessed.
-            let floor = f64::EPSILON * largest;
-            for i in 0..normal.nrows() {
-                normal[(i, i)] += damping * normal[(i, i)] + floor;
-            }
-            let Some(step) = normal.cholesky().map(|c| c.solve(&right)) else {
-                break;
-            };
-            let moved = x.iter().zip(sizes).zip(step.iter());
-            let trial: Vec<f64> = moved.map(|((x, size), s)| x + size * s).collect();
-            let before = left.norm_squared();
-            match self.follow(from, row, &trial, observer) {
-                Some((after, reached)) if after.norm_squared() < before => {
-                    let gained = 1.0 - after.norm_squared() / before;
-                    (x, left, end) = (trial, after, reached);
-                    damping *= 0.1;
-                    if gained < STATE_FIT.settled {
-                        break;
-                    }
-                }
-                _ if step.amax() < STATE_FIT.noise_floor => break,
-                _ => damping *= 100.0,
-            }
-        }
-        Ok(end)
+        let guess = self.guess(from, row).ok_or(NoState::Unread)?;
+        let mut stretch = Stretch {
+            estimator: self,
+            rows: (from, row),
+            observer,
+        };
+        let descent = Descent {
+            steps: STATE_FIT.steps,
+            converged: STATE_FIT.settled,
+            still: STATE_FIT.still,
+        };
+        let found = levenberg_marquardt(&mut stretch, guess, descent);
+        found.map(|f| f.fit.end).ok_or(NoState::NotRun)
     }
 
     /// The state that the equations reach from a state at the first of some rows, at the row behind them; `None` where the run ends before.
@@ -192,21 +169,36 @@ impl<'a> StateEstimator<'a> {
         let at = *time.get(at)?;
         local_derivative(time.get(rows.clone())?, c.readings.get(rows)?, at, c.below)
     }
+}
 
-    /// Runs from the first row to the last: the residuals of the readings in standard deviations, and the state reached.
-    fn follow(
-        &self,
-        from: usize,
-        row: usize,
-        x: &[f64],
-        observer: &mut dyn Observer,
-    ) -> Option<(DVector<f64>, Vec<f64>)> {
-        let mut run = self.runs.run(from..row + 1, x, observer);
+/// The run from one row to another, as a function of the state at the first.
+struct Stretch<'a, 'r> {
+    estimator: &'a StateEstimator<'a>,
+    rows: (usize, usize),
+    observer: &'r mut dyn Observer,
+}
+
+/// A run beside the readings.
+struct Followed {
+    /// Residuals in standard deviations.
+    left: DVector<f64>,
+    /// The state reached.
+    end: Vec<f64>,
+}
+
+impl LeastSquares for Stretch<'_, '_> {
+    type Point = Vec<f64>;
+    type Fit = Followed;
+
+    fn fit(&mut self, x: &Vec<f64>) -> Option<Followed> {
+        let (from, row) = self.rows;
+        let runs = self.estimator.runs;
+        let mut run = runs.run(from..row + 1, x, self.observer);
         if run.fault.is_some() || run.states.len() != row + 1 - from {
             return None;
         }
         let mut left = Vec::new();
-        for (place, c) in self.components.iter().enumerate() {
+        for (place, c) in self.estimator.components.iter().enumerate() {
             if let (Some((mean, deviation)), Some(start)) = (c.hidden, x.get(place)) {
                 left.push((start - mean) / deviation.max(f64::MIN_POSITIVE));
             }
@@ -219,26 +211,26 @@ impl<'a> StateEstimator<'a> {
         }
         let left = DVector::from_vec(left);
         let end = run.states.pop()?;
-        left.iter().all(|r| r.is_finite()).then_some((left, end))
+        let finite = left.iter().all(|r| r.is_finite());
+        finite.then_some(Followed { left, end })
     }
 
-    /// Jacobian of the residuals by difference quotients, components in units of their size.
-    fn slopes(
-        &self,
-        (from, row): (usize, usize),
-        x: &[f64],
-        left: &DVector<f64>,
-        observer: &mut dyn Observer,
-    ) -> Option<DMatrix<f64>> {
-        let mut columns = Vec::new();
-        for (place, size) in self.runs.sizes().iter().enumerate() {
-            let mut moved = x.to_vec();
-            if let Some(x) = moved.get_mut(place) {
-                *x += STATE_FIT.difference * size;
-            }
-            let (there, _) = self.follow(from, row, &moved, observer)?;
-            columns.push((there - left) / STATE_FIT.difference);
-        }
-        Some(DMatrix::from_columns(&columns))
+    fn value(&self, followed: &Followed) -> f64 {
+        followed.left.norm_squared()
+    }
+
+    fn normal_equations(
+        &mut self,
+        x: &Vec<f64>,
+        followed: &Followed,
+    ) -> Option<(DMatrix<f64>, DVector<f64>)> {
+        let by = STATE_FIT.difference;
+        difference_equations(self, x, &followed.left, (x.len(), by), |f| f.left)
+    }
+
+    fn moved(&self, x: &Vec<f64>, step: &DVector<f64>) -> Vec<f64> {
+        let moved = x.iter().zip(self.estimator.runs.sizes());
+        let moved = moved.zip(step.iter());
+        moved.map(|((x, size), s)| x + size * s).collect()
     }
 }

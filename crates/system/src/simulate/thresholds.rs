@@ -119,6 +119,10 @@ sidc_thresholds::family! {
         follows: f64 = 1.5, unit "standard deviations of the noise", source "set by hand";
         /// Levenberg–Marquardt steps for one stretch.
         iterations: usize = 12, unit "steps", source "set by hand";
+        /// Fall of the sum of squares at which a stretch is done.
+        converged: f64 = 1e-4, unit "of the sum of squares", source "one ten-thousandth of χ² moves the start by 0.01 standard errors";
+        /// Step at which a stretch is done.
+        still: f64 = 1e-9, unit "of the size of a component", source "a thousandth of the step of a difference quotient";
         /// Step of a difference quotient: far above the tolerance of integration.
         difference: f64 = 1e-6, unit "of the size of a component", source "about the square root of the tolerance of 1e-13, the usual balance of truncation and rounding";
     }

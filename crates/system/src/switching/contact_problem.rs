@@ -154,6 +154,12 @@ impl SlidingRates {
 
 /// Solves `matrix` · X = `right`. Where contacts constrain the same motion, so that the matrix is singular, the solution of least norm.
 pub fn least_norm(matrix: DMatrix<f64>, right: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    if let [pivot] = *matrix.as_slice() {
+        return Some(match pivot {
+            0.0 => right * 0.0,
+            _ => right / pivot,
+        });
+    }
     let lu = matrix.clone().lu();
     let pivots = lu.u().diagonal().abs();
     if pivots.min() > SWITCHING.dependent * pivots.max() {

@@ -17,7 +17,7 @@ use super::thresholds::OUTPUT_ERROR;
 use crate::trajectory::model::{HiddenCourse, Problem};
 use sidc_lang::term::{Expr, Signal};
 use sidc_progress::Observer;
-use sidc_solve::linalg::damped_step;
+use sidc_system::least_squares::{Descent, LeastSquares, levenberg_marquardt};
 
 /// Values of the constants with which runs follow the readings best; none alike. Empty where no run ends.
 pub(crate) fn constants_by_runs(
@@ -162,33 +162,16 @@ impl<'a> RunFit<'a> {
 
     /// The least square reached from some unknowns, on this part of every record.
     fn descend(&self, from: Unknowns, part: f64) -> Option<Fitted> {
-        let mut at = from;
-        let mut here = self.linearize(&at, part)?;
-        let [mut damping, least, most] = OUTPUT_ERROR.damping;
-        for _ in 0..OUTPUT_ERROR.iterations {
-            let step = damped_step(&here.normal, &here.right, damping)?;
-            let trial = self.moved(&at, &step);
-            match self
-                .linearize(&trial, part)
-                .filter(|t| t.square < here.square)
-            {
-                Some(there) => {
-                    let gained = 1.0 - there.square / here.square;
-                    (here, at) = (there, trial);
-                    damping = (0.1 * damping).max(least);
-                    if gained < OUTPUT_ERROR.converged {
-                        break;
-                    }
-                }
-                None => damping *= 10.0,
-            }
-            if damping > most {
-                break;
-            }
-        }
+        let mut partial = PartialFit { whole: self, part };
+        let descent = Descent {
+            steps: OUTPUT_ERROR.iterations,
+            converged: OUTPUT_ERROR.converged,
+            still: 0.0,
+        };
+        let found = levenberg_marquardt(&mut partial, from, descent)?;
         Some(Fitted {
-            square: here.square,
-            unknowns: at,
+            square: found.fit.square,
+            unknowns: found.point,
         })
     }
 
@@ -257,6 +240,37 @@ impl<'a> RunFit<'a> {
             ranges: at.ranges.clone(),
             starts: starts.collect(),
         }
+    }
+}
+
+/// A fit to this part of every record.
+struct PartialFit<'a> {
+    whole: &'a RunFit<'a>,
+    part: f64,
+}
+
+impl LeastSquares for PartialFit<'_> {
+    type Point = Unknowns;
+    type Fit = Linearized;
+
+    fn fit(&mut self, at: &Unknowns) -> Option<Linearized> {
+        self.whole.linearize(at, self.part)
+    }
+
+    fn value(&self, fit: &Linearized) -> f64 {
+        fit.square
+    }
+
+    fn normal_equations(
+        &mut self,
+        _: &Unknowns,
+        fit: &Linearized,
+    ) -> Option<(DMatrix<f64>, DVector<f64>)> {
+        Some((fit.normal.clone(), fit.right.clone()))
+    }
+
+    fn moved(&self, at: &Unknowns, step: &DVector<f64>) -> Unknowns {
+        self.whole.moved(at, step)
     }
 }
 

@@ -81,8 +81,6 @@ family! {
         converged: f64 = 1e-3, unit "of the sum", source "the fit of the trajectory goes on from there";
         /// Relative difference of all constants up to which two fits are one.
         same: f64 = 0.02, unit "of the value", source "set by hand";
-        /// Damping of the first step, and the least and most of any.
-        damping: [f64; 3] = [1e-3, 1e-9, 1e6], unit "of the curvature", source "Marquardt 1963; 1e-9 is no damping, at 1e6 a step moves nothing";
         /// Samples of a part at least.
         samples: usize = 4, unit "for each unknown", source "set by hand";
         /// Samples of a part at most, of all records.

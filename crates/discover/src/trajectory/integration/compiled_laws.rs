@@ -164,6 +164,11 @@ impl CompiledLaws {
         }
     }
 
+    /// Whether a law contains rates.
+    pub fn is_implicit(&self) -> bool {
+        self.implicit.is_some()
+    }
+
     /// All candidate columns for these laws: as compiled for laws without switches, or with σ of theirs as further signals.
     pub fn columns<'a>(&self, system: &System, all: &'a Tape) -> Cow<'a, Tape> {
         let Some(switches) = &self.switches else {

@@ -36,12 +36,12 @@ struct ImpulseEffect {
 }
 
 /// One interval on its way from event to event.
-struct Passage<'a> {
+pub(super) struct Passage<'a> {
     integrator: &'a ShootingIntegrator<'a>,
     switches: &'a LawSwitches,
     group: StepGroup<'a>,
-    modes: Modes,
-    sides: Vec<f64>,
+    pub modes: Modes,
+    pub sides: Vec<f64>,
     /// How far it has come, 0 to 1.
     part: f64,
     /// Events that are still allowed.
@@ -81,19 +81,11 @@ impl ShootingIntegrator<'_> {
         let Some(switches) = &self.laws.switches else {
             return Ok(());
         };
-        let mut passage = Passage {
-            integrator: self,
-            switches,
-            group: StepGroup::of_one(record, (interval, slot)),
-            modes: Modes(vec![Mode::Level; switches.len()]),
-            sides: vec![0.0; switches.len()],
-            part: 0.0,
-            events_left: SWITCHING.at_once,
-        };
         let (n, p) = (self.laws.states, self.width());
         out.columns[slot * n * p..(slot + 1) * n * p].fill(0.0);
-        self.place(&passage.group, states, work);
-        passage.settle_at_start(work)?;
+        let group = StepGroup::of_one(record, (interval, slot));
+        let mut passage = Passage::start((self, switches), group, states, work)?;
+        passage.begin_piece(work)?;
         while passage.part < 1.0 {
             passage.step(work, out)?;
         }
@@ -103,14 +95,35 @@ impl ShootingIntegrator<'_> {
     }
 }
 
-impl Passage<'_> {
+impl<'a> Passage<'a> {
+    /// An interval whose contacts are decided; its first point is that of the workspace, and `reached` its derivative by the state.
+    pub fn start(
+        (integrator, switches): (&'a ShootingIntegrator<'a>, &'a LawSwitches),
+        group: StepGroup<'a>,
+        states: &[f64],
+        work: &mut Workspace,
+    ) -> Result<Passage<'a>, Diverged> {
+        let mut passage = Passage {
+            integrator,
+            switches,
+            group,
+            modes: Modes(vec![Mode::Level; switches.len()]),
+            sides: vec![0.0; switches.len()],
+            part: 0.0,
+            events_left: SWITCHING.at_once,
+        };
+        integrator.place(&passage.group, states, work);
+        passage.settle_at_start(work)?;
+        Ok(passage)
+    }
+
     /// Modes at the start. Where a switch slides from there on, the state is moved onto its guard.
     fn settle_at_start(&mut self, work: &mut Workspace) -> Result<(), Diverged> {
         let n = self.integrator.laws.states;
         let mut guards = Vec::new();
         let point = &mut work.points[0];
         self.switches.guards(point, 1, &mut guards, &mut work.tape);
-        let gradients = self.switches.gradients(point, &mut work.tape);
+        let gradients = self.switches.gradients(point);
         let spread = self.integrator.spread;
         let on = |k: &usize| gradients.is_on(*k, guards[*k], spread);
         let contacts: Vec<usize> = (0..guards.len()).filter(on).collect();
@@ -129,7 +142,7 @@ impl Passage<'_> {
             work.reached.clear();
             work.reached.extend(onto.transpose().iter());
         }
-        self.begin_piece(work)
+        Ok(())
     }
 
     /// Decides contacts at the present point.
@@ -151,7 +164,7 @@ impl Passage<'_> {
         self.group.sliding = self.modes.sliding().collect();
         let point = &mut work.points[0];
         point[self.switches.first..].copy_from_slice(&self.sides);
-        let local = (&mut work.scratch, &mut work.local[0]);
+        let local = (&mut work.scratch, &mut work.sliding, &mut work.local[0]);
         self.integrator
             .linearise_at(&self.group, self.part, point, local)?;
         if let Some((tape, _)) = self.integrator.all {
@@ -171,13 +184,24 @@ impl Passage<'_> {
         };
         let least = |margins: &[f64]| margins.iter().copied().fold(f64::INFINITY, f64::min);
         // A guard may be back at the end of a step.
-        let middle = 0.5 * (from + to);
-        let (mut end, mut margins) = (middle, self.margins_at(middle, work)?);
+        let (mut end, mut margins) = (to, self.margins_at(to, work)?);
         if least(&margins) >= 0.0 {
-            (end, margins) = (to, self.margins_at(to, work)?);
+            self.integrator.linearise_step(&self.group, 0, work)?;
+            if least(&self.margins(&work.points[1], &mut work.tape)) >= 0.0 {
+                self.finish_step(to, work, out);
+                return Ok(());
+            }
         }
-        if least(&margins) >= 0.0 {
-            return self.finish_step(end, work, out);
+        let middle = 0.5 * (from + to);
+        let in_middle = self.margins_at(middle, work)?;
+        if least(&in_middle) < 0.0 {
+            (end, margins) = (middle, in_middle);
+        } else if least(&margins) >= 0.0 {
+            // Only the interpolated middle was beyond.
+            self.advance_to(to, work)?;
+            self.integrator.linearise_step(&self.group, 0, work)?;
+            self.finish_step(to, work, out);
+            return Ok(());
         }
         let (whole, last) = (end - from, least(&margins));
         let found = locate(last, &mut |part| {
@@ -189,7 +213,8 @@ impl Passage<'_> {
                 let there = self.margins_at(at, work)?;
                 let crossed = (0..margins.len()).filter(|k| margins[*k] < 0.0);
                 let first = crossed.min_by(|a, b| there[*a].total_cmp(&there[*b]));
-                self.finish_step(at, work, out)?;
+                self.integrator.linearise_step(&self.group, 0, work)?;
+                self.finish_step(at, work, out);
                 self.event(first.unwrap_or(0), None, work, out)
             }
             Located::Start => {
@@ -212,36 +237,31 @@ impl Passage<'_> {
     fn advance_to(&mut self, to: f64, work: &mut Workspace) -> Result<(), Diverged> {
         self.group.set_within(self.part, to);
         self.integrator.advance(&self.group, 0, work)?;
-        let next = &mut work.points[2];
-        (self.integrator).hold(&self.group, to, next, &mut work.scratch)
+        let buffers = (&mut work.scratch, &mut work.sliding);
+        (self.integrator).hold(&self.group, to, &mut work.points[2], buffers)
     }
 
     /// What stays at or above zero as long as the sides hold, at a part of the interval; the state there is left in the third place.
     fn margins_at(&mut self, to: f64, work: &mut Workspace) -> Result<Vec<f64>, Diverged> {
         self.advance_to(to, work)?;
-        let mut guards = Vec::new();
-        let point = &work.points[2];
-        self.switches.guards(point, 1, &mut guards, &mut work.tape);
-        let sides = &point[self.switches.first..];
-        let both = guards.iter().zip(sides).zip(&self.modes.0);
-        Ok(both
-            .map(|((g, side), mode)| mode.margin(*g, *side))
-            .collect())
+        Ok(self.margins(&work.points[2], &mut work.tape))
     }
 
-    /// Goes on to the end of a step.
-    fn finish_step(
-        &mut self,
-        to: f64,
-        work: &mut Workspace,
-        out: &mut IntervalBlock,
-    ) -> Result<(), Diverged> {
-        self.integrator.linearise_step(&self.group, 0, work)?;
+    fn margins(&self, point: &[f64], tape: &mut Vec<f64>) -> Vec<f64> {
+        let mut guards = Vec::new();
+        self.switches.guards(point, 1, &mut guards, tape);
+        let sides = &point[self.switches.first..];
+        let both = guards.iter().zip(sides).zip(&self.modes.0);
+        both.map(|((g, side), mode)| mode.margin(*g, *side))
+            .collect()
+    }
+
+    /// Goes on to the end of a step whose laws are linearised.
+    fn finish_step(&mut self, to: f64, work: &mut Workspace, out: &mut IntervalBlock) {
         self.integrator.accumulate(&self.group, true, work, out);
         self.part = to;
         self.sides
             .copy_from_slice(&work.points[0][self.switches.first..]);
-        Ok(())
     }
 
     /// An event of a switch at the present point. `beyond`: its guard, or its σ, a step later, if the event is at the very start of one.

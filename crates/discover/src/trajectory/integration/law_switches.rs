@@ -3,6 +3,8 @@
 //! In: laws as written. Out: laws that are smooth while every switch keeps its side, guards and their gradients at points. Laws that
 //! bend but never jump stay as they are: integration only loses some digits there.
 
+use std::borrow::Cow;
+
 use crate::trajectory::model::Impulse;
 use crate::trajectory::thresholds::SHOOTING;
 use sidc_lang::term::{Expr, Signal, Tape, Term};
@@ -17,6 +19,8 @@ pub(crate) struct LawSwitches {
     guards: Tape,
     /// Their derivatives by every state, then by every exogenous signal, guard after guard.
     slopes: Tape,
+    /// Those derivatives, if they are the same everywhere.
+    fixed_slopes: Option<Gradients>,
     /// The row of each guard's impulse among those of points, where a column has it.
     impulses: Vec<Option<usize>>,
     /// Whether a guard depends on the states, and not on exogenous signals alone.
@@ -66,16 +70,21 @@ impl LawSwitches {
             let own = impulses.iter().find(|i| i.guard == *g)?;
             signals.iter().position(|s| *s == own.signal)
         };
-        let compiled = LawSwitches {
+        let mut compiled = LawSwitches {
             impulses: switches.guards.iter().map(row).collect(),
             follows_states: switches.guards.iter().map(follows).collect(),
             first: signals.len(),
             guards: tape(&switches.guards),
+            fixed_slopes: None,
             slopes: tape(&slopes),
             states,
             exogenous: exogenous.len(),
             switches,
         };
+        let moves = |e: &Expr| inputs.iter().any(|s| e.mentions(*s));
+        if !slopes.iter().any(moves) {
+            compiled.fixed_slopes = Some(compiled.gradients_of(&vec![0.0; inputs.len()]));
+        }
         Some((smooth, compiled))
     }
 
@@ -133,9 +142,22 @@ impl LawSwitches {
     }
 
     /// Derivatives of the guards at a single point.
-    pub(super) fn gradients(&self, point: &[f64], work: &mut Vec<f64>) -> Gradients {
-        let mut all = vec![0.0; self.slopes.outputs()];
-        self.slopes.eval(point, 1, &mut all, work);
+    pub(super) fn gradients(&self, point: &[f64]) -> Cow<'_, Gradients> {
+        match &self.fixed_slopes {
+            Some(fixed) => Cow::Borrowed(fixed),
+            None => Cow::Owned(self.gradients_of(point)),
+        }
+    }
+
+    /// Of each guard its derivatives by every state, then by every exogenous signal, rows over points.
+    pub(super) fn gradients_at(&self, points: &[f64], count: usize, out: &mut Vec<f64>) {
+        out.resize(self.slopes.outputs() * count, 0.0);
+        self.slopes.eval(points, count, out, &mut Vec::new());
+    }
+
+    fn gradients_of(&self, point: &[f64]) -> Gradients {
+        let mut all = Vec::new();
+        self.gradients_at(point, 1, &mut all);
         let mut out = Gradients::default();
         for row in all.chunks_exact(self.states + self.exogenous) {
             out.by_state.extend_from_slice(&row[..self.states]);

@@ -10,6 +10,8 @@ mod law_switches;
 mod parameter_sensitivity;
 mod shooting;
 mod sliding;
+mod sliding_flow;
+mod sliding_intervals;
 mod state_transition;
 mod step_group;
 

@@ -10,6 +10,7 @@ use std::ops::Range;
 
 use super::compiled_laws::{CompiledLaws, Diverged, LocalLinearization, Scratch};
 use super::parameter_sensitivity::{INTERVALS_AT_ONCE, ParameterSensitivity, propagate, scatter};
+use super::sliding_flow::SlidingFlow;
 use super::state_transition::{StateTransition, unit};
 use super::step_group::StepGroup;
 use crate::trajectory::model::Record;
@@ -56,6 +57,7 @@ impl IntervalBlock {
 #[derive(Default)]
 pub(crate) struct Workspace {
     pub(super) scratch: Scratch,
+    pub(super) sliding: SlidingFlow,
     pub(super) points: [Vec<f64>; 3],
     pub(super) local: [LocalLinearization; 3],
     /// Values of all columns.
@@ -131,7 +133,9 @@ impl ShootingIntegrator<'_> {
             }
             number *= 2;
         }
-        for slot in std::mem::take(&mut work.eventful) {
+        let eventful = std::mem::take(&mut work.eventful);
+        let first = (record, intervals.start);
+        for slot in self.along_guards(first, states, eventful, work, out) {
             let interval = (intervals.start + slot, slot);
             self.across_events((record, interval), states, work, out)?;
         }
@@ -265,9 +269,11 @@ impl ShootingIntegrator<'_> {
                 }
             }
             self.set_exogenous(group, group.part(s, reach), stage);
-            self.hold(group, group.part(s, reach), stage, &mut work.scratch)?;
-            self.laws
-                .rates(self.coefficients, stage, count, &mut work.scratch)?;
+            let (part, scratch) = (group.part(s, reach), &mut work.scratch);
+            match group.sliding.is_empty() {
+                true => (self.laws).rates(self.coefficients, stage, count, scratch)?,
+                false => self.hold(group, part, stage, (scratch, &mut work.sliding))?,
+            }
             self.laws.flow(stage, count, &mut rates[r + 1]);
         }
         // The rates of the last stage are a good first guess for implicit laws at the end.
@@ -296,7 +302,8 @@ impl ShootingIntegrator<'_> {
         let (n, count, laws) = (self.laws.states, group.count(), self.laws);
         let [here, middle, next] = &mut work.points;
         let (scratch, local, rates) = (&mut work.scratch, &mut work.local, &mut work.rates);
-        self.linearise_at(group, group.part(s, 1.0), next, (scratch, &mut local[2]))?;
+        let (flow, end) = (&mut work.sliding, group.part(s, 1.0));
+        self.linearise_at(group, end, next, (scratch, flow, &mut local[2]))?;
         // The middle state by cubic Hermite interpolation.
         laws.flow(next, count, &mut rates[1]);
         middle.copy_from_slice(next);
@@ -309,7 +316,8 @@ impl ShootingIntegrator<'_> {
             }
         }
         self.set_exogenous(group, group.part(s, 0.5), middle);
-        self.linearise_at(group, group.part(s, 0.5), middle, (scratch, &mut local[1]))?;
+        let half = group.part(s, 0.5);
+        self.linearise_at(group, half, middle, (scratch, flow, &mut local[1]))?;
         if let Some((tape, _)) = self.all {
             values(tape, middle, count, &mut work.values[1], &mut work.tape);
             values(tape, next, count, &mut work.values[2], &mut work.tape);

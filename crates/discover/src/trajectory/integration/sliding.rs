@@ -1,12 +1,12 @@
-//! Laws at a single point where switches slide: σ is whatever keeps their guards at zero, and derivatives allow for it.
+//! Laws at a single point where switches are decided.
 //!
-//! In: laws, a point, the switches that slide. Out: σ at the point, the laws linearised along the guards, rates by side. With ġ = 0 for
-//! the guards that slide, σ_z = −(∂ġ/∂σ)⁻¹ ∂ġ/∂z: what would move a guard is taken up by σ. Guards are taken as linear in the states
-//! there (speeds are); ∂²g/∂z² is left out of derivatives.
+//! In: laws, a point, switches whose guards are zero there. Out: rates by side, the state moved onto the guards. Guards are taken as linear
+//! in the states there (speeds are).
 
 use nalgebra::DMatrix;
+use std::borrow::Cow;
 
-use super::compiled_laws::{CompiledLaws, Diverged, LocalLinearization, Scratch};
+use super::compiled_laws::{CompiledLaws, Diverged, Scratch};
 use super::law_switches::{Gradients, LawSwitches};
 use super::shooting::ShootingIntegrator;
 use super::step_group::StepGroup;
@@ -21,7 +21,7 @@ pub(super) struct LawsAtPoint<'a> {
     coefficients: &'a [f64],
     pub point: &'a mut [f64],
     scratch: &'a mut Scratch,
-    pub gradients: Gradients,
+    pub gradients: Cow<'a, Gradients>,
     /// What the exogenous signals alone move each guard by, a second.
     by_time: Vec<f64>,
 }
@@ -35,7 +35,7 @@ impl<'a> LawsAtPoint<'a> {
         scratch: &'a mut Scratch,
     ) -> Option<LawsAtPoint<'a>> {
         let switches = laws.switches.as_ref()?;
-        let gradients = switches.gradients(point, &mut Vec::new());
+        let gradients = switches.gradients(point);
         let moving: Vec<f64> = (0..record.exogenous.len())
             .map(|x| record.exogenous_rate_at(x, k, part))
             .collect();
@@ -84,14 +84,14 @@ impl<'a> LawsAtPoint<'a> {
     fn flow_by_side(&mut self, sliding: &[usize]) -> Result<DMatrix<f64>, Diverged> {
         let held = self.sides().to_vec();
         let mut by_side = DMatrix::zeros(self.laws.states, sliding.len());
-        for (j, k) in sliding.iter().enumerate() {
+        for (k, mut column) in sliding.iter().zip(by_side.column_iter_mut()) {
             let mut sides = held.clone();
             sides[*k] = 1.0;
             let above = self.flow(&sides)?;
             sides[*k] = 0.0;
             let level = self.flow(&sides)?;
-            for (i, (a, b)) in above.iter().zip(&level).enumerate() {
-                by_side[(i, j)] = a - b;
+            for ((out, a), b) in column.iter_mut().zip(&above).zip(&level) {
+                *out = a - b;
             }
         }
         self.flow(&held)?;
@@ -162,41 +162,6 @@ impl<'a> LawsAtPoint<'a> {
             }
         }
     }
-
-    /// Turns laws linearised at fixed σ into those along the guards.
-    fn project(
-        &mut self,
-        sliding: &[usize],
-        local: &mut LocalLinearization,
-    ) -> Result<(), Diverged> {
-        let (n, m) = (self.laws.states, self.laws.laws);
-        let by_side = self.flow_by_side(sliding)?;
-        let gradients = self.gradient_rows(sliding);
-        let law_states = &self.laws.law_states;
-        let law_rows = by_side.select_rows(law_states);
-        let by_law = gradients.select_columns(law_states);
-        let jacobian = DMatrix::from_row_slice(m, n, &local.jacobian);
-        let solved = match local.solved.is_empty() {
-            true => DMatrix::identity(m, m),
-            false => DMatrix::from_row_slice(m, m, &local.solved),
-        };
-        let mut moved = &by_law * &jacobian;
-        for (i, next) in &self.laws.chain {
-            for (row, slope) in gradients.column(*i).iter().enumerate() {
-                moved[(row, *next)] += slope;
-            }
-        }
-        let slope = &gradients * &by_side;
-        let taken_up = least_norm(slope.clone(), &moved).ok_or(Diverged)?;
-        let jacobian = jacobian - &law_rows * taken_up;
-        let taken_up = least_norm(slope, &(by_law * &solved)).ok_or(Diverged)?;
-        let solved = solved - law_rows * taken_up;
-        local.jacobian.clear();
-        local.jacobian.extend(jacobian.transpose().iter());
-        local.solved.clear();
-        local.solved.extend(solved.transpose().iter());
-        Ok(())
-    }
 }
 
 impl CompiledLaws {
@@ -253,53 +218,5 @@ impl ShootingIntegrator<'_> {
         let laws = (self.laws, self.coefficients);
         let at = (group.record, group.intervals[0], part);
         LawsAtPoint::new(laws, at, point, scratch)
-    }
-
-    /// Sets σ of the switches that slide.
-    ///
-    /// # Errors
-    /// No σ keeps them.
-    pub(super) fn hold(
-        &self,
-        group: &StepGroup,
-        part: f64,
-        point: &mut [f64],
-        scratch: &mut Scratch,
-    ) -> Result<(), Diverged> {
-        if group.sliding.is_empty() {
-            return Ok(());
-        }
-        let Some(mut laws) = self.at_point(group, part, point, scratch) else {
-            return Ok(());
-        };
-        let mut sides = laws.sides().to_vec();
-        let rates = SlidingRates::measure(&mut laws, group.sliding.clone(), &mut sides)?;
-        if !rates.hold(&mut sides) {
-            return Err(Diverged);
-        }
-        laws.set_sides(&sides);
-        Ok(())
-    }
-
-    /// The laws linearised at points, along the guards of the switches that slide.
-    ///
-    /// # Errors
-    /// They diverge there.
-    pub(super) fn linearise_at(
-        &self,
-        group: &StepGroup,
-        part: f64,
-        points: &mut [f64],
-        (scratch, local): (&mut Scratch, &mut LocalLinearization),
-    ) -> Result<(), Diverged> {
-        self.hold(group, part, points, scratch)?;
-        (self.laws).evaluate(self.coefficients, points, group.count(), scratch, local)?;
-        if group.sliding.is_empty() {
-            return Ok(());
-        }
-        match self.at_point(group, part, points, scratch) {
-            Some(mut laws) => laws.project(&group.sliding, local),
-            None => Ok(()),
-        }
     }
 }

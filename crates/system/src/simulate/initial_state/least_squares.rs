@@ -8,6 +8,7 @@
 use crate::simulate::thresholds::INITIAL_STATE;
 use nalgebra::{DMatrix, DVector};
 
+use crate::least_squares::{Descent, LeastSquares, difference_equations, levenberg_marquardt};
 use crate::simulate::integrate::trajectory::Rows;
 
 /// Simulates so many rows from an initial state; `None` if that fails.
@@ -79,7 +80,7 @@ pub(crate) fn fit_initial_state(
     best
 }
 
-/// Levenberg–Marquardt on one stretch; `None` if the equations cannot be run along it.
+/// Least squares on one stretch; `None` if the equations cannot be run along it.
 fn fit(
     readings: &Readings,
     start: &[f64],
@@ -87,41 +88,25 @@ fn fit(
     rows: usize,
     run: Trial,
 ) -> Option<FittedStart> {
-    let mut x = start.to_vec();
-    let mut left = residuals(readings, &x, &run(&x, rows)?, rows);
-    let mut damping = 1e-3;
-    let mut normal = DMatrix::zeros(free.len(), free.len());
-    for _ in 0..INITIAL_STATE.iterations {
-        let slopes = slopes(readings, &x, &left, free, rows, run)?;
-        normal = slopes.transpose() * &slopes;
-        let right = -(slopes.transpose() * &left);
-        let mut damped = normal.clone();
-        (0..free.len()).for_each(|i| damped[(i, i)] *= 1.0 + damping);
-        let step = damped.cholesky()?.solve(&right);
-        let mut trial = x.clone();
-        for ((place, size), s) in free.iter().zip(step.iter()) {
-            trial[*place] += size * s;
-        }
-        let after = run(&trial, rows).map(|path| residuals(readings, &trial, &path, rows));
-        match after.filter(|a| a.norm_squared() < left.norm_squared()) {
-            Some(after) => {
-                let gained = 1.0 - after.norm_squared() / left.norm_squared();
-                (x, left) = (trial, after);
-                damping *= 0.1;
-                if gained < 1e-4 {
-                    break;
-                }
-            }
-            None if damping > 1e6 || step.amax() < 1e-9 => break,
-            None => damping *= 10.0,
-        }
-    }
+    let mut stretch = Stretch {
+        readings,
+        free,
+        rows,
+        run,
+    };
+    let descent = Descent {
+        steps: INITIAL_STATE.iterations,
+        converged: INITIAL_STATE.converged,
+        still: INITIAL_STATE.still,
+    };
+    let found = levenberg_marquardt(&mut stretch, start.to_vec(), descent)?;
+    let (x, left) = (found.point, found.fit);
     let count = left.len().checked_sub(free.len()).filter(|n| *n > 0)?;
     let scatter = (left.norm_squared() / count as f64).sqrt();
     if !scatter.is_finite() {
         return None;
     }
-    let covariance = normal.try_inverse()?;
+    let covariance = found.normal?.try_inverse()?;
     let mut error = vec![0.0; x.len()];
     for (i, (place, size)) in free.iter().enumerate() {
         error[*place] = size * covariance[(i, i)].max(0.0).sqrt() * scatter.max(1.0);
@@ -132,6 +117,47 @@ fn fit(
         rows,
         followed: scatter <= INITIAL_STATE.follows,
     })
+}
+
+/// The first rows of a run, as a function of its start.
+struct Stretch<'a, 'r> {
+    readings: &'a Readings,
+    /// Components that are estimated, each with its typical size.
+    free: &'a [(usize, f64)],
+    rows: usize,
+    run: &'a mut (dyn FnMut(&[f64], usize) -> Option<Rows> + 'r),
+}
+
+impl LeastSquares for Stretch<'_, '_> {
+    type Point = Vec<f64>;
+    /// Residuals in standard deviations of the noise.
+    type Fit = DVector<f64>;
+
+    fn fit(&mut self, x: &Vec<f64>) -> Option<DVector<f64>> {
+        let path = (self.run)(x, self.rows)?;
+        Some(residuals(self.readings, x, &path, self.rows))
+    }
+
+    fn value(&self, left: &DVector<f64>) -> f64 {
+        left.norm_squared()
+    }
+
+    fn normal_equations(
+        &mut self,
+        x: &Vec<f64>,
+        left: &DVector<f64>,
+    ) -> Option<(DMatrix<f64>, DVector<f64>)> {
+        let by = INITIAL_STATE.difference;
+        difference_equations(self, x, left, (self.free.len(), by), |left| left)
+    }
+
+    fn moved(&self, x: &Vec<f64>, step: &DVector<f64>) -> Vec<f64> {
+        let mut moved = x.clone();
+        for ((place, size), s) in self.free.iter().zip(step.iter()) {
+            moved[*place] += size * s;
+        }
+        moved
+    }
 }
 
 /// Simulated minus measured, in standard deviations of the noise.
@@ -148,26 +174,4 @@ fn residuals(readings: &Readings, x: &[f64], path: &Rows, rows: usize) -> DVecto
         }
     }
     DVector::from_vec(out)
-}
-
-/// Jacobian of the residuals by difference quotients, components in units of their size.
-fn slopes(
-    readings: &Readings,
-    x: &[f64],
-    left: &DVector<f64>,
-    free: &[(usize, f64)],
-    rows: usize,
-    run: Trial,
-) -> Option<DMatrix<f64>> {
-    let mut columns = Vec::new();
-    for (place, size) in free {
-        let mut moved = x.to_vec();
-        moved[*place] += INITIAL_STATE.difference * size;
-        let there = residuals(readings, &moved, &run(&moved, rows)?, rows);
-        if there.len() != left.len() {
-            return None;
-        }
-        columns.push((there - left) / INITIAL_STATE.difference);
-    }
-    Some(DMatrix::from_columns(&columns))
 }
