@@ -244,8 +244,11 @@ fn doubted(found: &Discovery) -> Vec<Signal> {
         Misfit,
         PoorFit,
     ];
-    let doubted =
-        |e: &Equation| e.reasons.iter().any(|r| codes.contains(&r.code)) || is_disturbed(e);
+    let has =
+        |e: &Equation, codes: &[ReasonCode]| e.reasons.iter().any(|r| codes.contains(&r.code));
+    // Where a law of lower order holds, a state less is needed.
+    let lower = |e: &Equation| has(e, &[ReasonCode::Relation]);
+    let doubted = |e: &Equation| (has(e, &codes) || is_disturbed(e)) && !lower(e);
     let equations = found.equations.iter();
     let searched = equations.filter(|e| e.status != Status::Known);
     searched.filter(|e| doubted(e)).map(|e| e.target).collect()

@@ -64,11 +64,16 @@ pub fn levenberg_marquardt<P: LeastSquares + ?Sized>(
     let mut equations = problem.normal_equations(&point, &fit);
     let mut damping = DAMPING.first;
     for _ in 0..descent.steps {
-        let step = equations.as_ref();
-        let step = step.and_then(|(normal, right)| damped_step(normal, right, damping));
-        let Some(step) = step else { break };
-        let there = problem.moved(&point, &step);
+        let Some((normal, right)) = &equations else {
+            break;
+        };
         let value = problem.value(&fit);
+        let step = damped_step(normal, right, damping);
+        // A step that would gain nothing but rounding is not tried.
+        let Some(step) = step.filter(|s| s.dot(right) > DAMPING.rounding * value.abs()) else {
+            break;
+        };
+        let there = problem.moved(&point, &step);
         let lower = problem.fit(&there).filter(|f| problem.value(f) < value);
         let mut ended = step.amax() <= descent.still;
         match lower {

@@ -56,7 +56,7 @@ sidc_thresholds::family! {
         /// Fall of the sum of squares at which the fit has settled.
         settled: f64 = 1e-3, unit "of the sum of squares", source "a thousandth of χ² moves the state by 0.03 standard errors";
         /// Step at which the fit has settled.
-        still: f64 = 1e-6, unit "of the size of a component", source "a hundredth of the step of a difference quotient";
+        still: f64 = 1e-9, unit "of the size of a component", source "the tolerance of integration";
         /// Step of a difference quotient.
         difference: f64 = 1e-4, unit "of the size of a component", source "about the square root of the tolerance of 1e-9, the usual balance of truncation and rounding";
         /// Least noise of a channel.

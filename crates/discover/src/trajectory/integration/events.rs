@@ -9,9 +9,10 @@ use nalgebra::DMatrix;
 use super::compiled_laws::{Diverged, LocalLinearization};
 use super::law_switches::LawSwitches;
 use super::parameter_sensitivity::{propagate, scatter};
-use super::shooting::{IntervalBlock, ShootingIntegrator, Workspace, values};
+use super::shooting::{IntervalBlock, ShootingIntegrator, values};
 use super::state_transition::unit;
 use super::step_group::StepGroup;
+use super::workspace::Workspace;
 use crate::trajectory::model::Record;
 use sidc_system::switching::thresholds::SWITCHING;
 use sidc_system::switching::{Located, Mode, Modes, SlidingRates, locate};
@@ -164,9 +165,9 @@ impl<'a> Passage<'a> {
         self.group.sliding = self.modes.sliding().collect();
         let point = &mut work.points[0];
         point[self.switches.first..].copy_from_slice(&self.sides);
-        let local = (&mut work.scratch, &mut work.sliding, &mut work.local[0]);
-        self.integrator
-            .linearise_at(&self.group, self.part, point, local)?;
+        let (laws, at) = (self.integrator.weighted_laws(), (&self.group, self.part));
+        let local = (&mut work.scratch, &mut work.local[0]);
+        work.sliding.linearise(laws, at, point, local)?;
         if let Some((tape, _)) = self.integrator.all {
             values(tape, point, 1, &mut work.values[0], &mut work.tape);
         }
@@ -237,8 +238,9 @@ impl<'a> Passage<'a> {
     fn advance_to(&mut self, to: f64, work: &mut Workspace) -> Result<(), Diverged> {
         self.group.set_within(self.part, to);
         self.integrator.advance(&self.group, 0, work)?;
-        let buffers = (&mut work.scratch, &mut work.sliding);
-        (self.integrator).hold(&self.group, to, &mut work.points[2], buffers)
+        let (laws, next) = (self.integrator.weighted_laws(), &mut work.points[2]);
+        let scratch = &mut work.scratch;
+        work.sliding.hold(laws, (&self.group, to), next, scratch)
     }
 
     /// What stays at or above zero as long as the sides hold, at a part of the interval; the state there is left in the third place.

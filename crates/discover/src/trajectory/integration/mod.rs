@@ -14,9 +14,11 @@ mod sliding_flow;
 mod sliding_intervals;
 mod state_transition;
 mod step_group;
+mod workspace;
 
 pub(crate) use compiled_laws::{CompiledLaws, Diverged};
 pub(crate) use parameter_sensitivity::INTERVALS_AT_ONCE;
-pub(crate) use shooting::{IntervalBlock, ShootingIntegrator, Workspace};
+pub(crate) use shooting::{IntervalBlock, ShootingIntegrator};
 #[cfg(test)]
 pub(crate) use state_transition::StateTransition;
+pub(crate) use workspace::Workspace;

@@ -8,11 +8,11 @@
 
 use std::ops::Range;
 
-use super::compiled_laws::{CompiledLaws, Diverged, LocalLinearization, Scratch};
+use super::compiled_laws::{CompiledLaws, Diverged, LocalLinearization};
 use super::parameter_sensitivity::{INTERVALS_AT_ONCE, ParameterSensitivity, propagate, scatter};
-use super::sliding_flow::SlidingFlow;
-use super::state_transition::{StateTransition, unit};
+use super::state_transition::unit;
 use super::step_group::StepGroup;
+use super::workspace::Workspace;
 use crate::trajectory::model::Record;
 use crate::trajectory::thresholds::SHOOTING;
 use sidc_lang::term::Tape;
@@ -53,42 +53,6 @@ impl IntervalBlock {
     }
 }
 
-/// Buffers that blocks share. Of every three, the first belongs to the start of a step, the second to its middle, the third to its end.
-#[derive(Default)]
-pub(crate) struct Workspace {
-    pub(super) scratch: Scratch,
-    pub(super) sliding: SlidingFlow,
-    pub(super) points: [Vec<f64>; 3],
-    pub(super) local: [LocalLinearization; 3],
-    /// Values of all columns.
-    pub(super) values: [Vec<f64>; 3],
-    jacobians: [Vec<f64>; 3],
-    /// What a unit of each law's right side there adds to the end state: n × laws × intervals.
-    gains: [Vec<f64>; 3],
-    stage: Vec<f64>,
-    rates: [Vec<f64>; 4],
-    pub(super) tape: Vec<f64>,
-    /// Rates at the start of the previous block, laws × INTERVALS_AT_ONCE: first guesses for implicit laws.
-    guess: Vec<f64>,
-    pub(super) transition: StateTransition,
-    /// T from the start of the intervals to the present step.
-    pub(super) reached: Vec<f64>,
-    pub(super) moved: Vec<f64>,
-    /// Slots of intervals in which a switch changes its side.
-    pub(super) eventful: Vec<usize>,
-}
-
-impl Workspace {
-    /// First guesses of the rates, which implicit laws are solved from: with the same ones a block comes out the same.
-    pub fn first_guess(&self) -> &[f64] {
-        &self.guess
-    }
-
-    pub fn set_first_guess(&mut self, guess: &[f64]) {
-        guess.clone_into(&mut self.guess);
-    }
-}
-
 impl ShootingIntegrator<'_> {
     /// Number P of columns of U.
     pub fn width(&self) -> usize {
@@ -96,6 +60,11 @@ impl ShootingIntegrator<'_> {
             Some((tape, _)) => tape.outputs(),
             None => self.laws.active.len(),
         }
+    }
+
+    /// The laws with their coefficients.
+    pub(super) fn weighted_laws(&self) -> (&CompiledLaws, &[f64]) {
+        (self.laws, self.coefficients)
     }
 
     /// Integrates at most [`INTERVALS_AT_ONCE`] intervals; `states` has n numbers a sample.
@@ -257,6 +226,7 @@ impl ShootingIntegrator<'_> {
         let (n, count) = (self.laws.states, group.count());
         let [here, _, next] = &mut work.points;
         let (stage, rates) = (&mut work.stage, &mut work.rates);
+        let laws = self.weighted_laws();
         self.laws.flow(here, count, &mut rates[0]);
         stage.clear();
         stage.extend_from_slice(here);
@@ -272,7 +242,7 @@ impl ShootingIntegrator<'_> {
             let (part, scratch) = (group.part(s, reach), &mut work.scratch);
             match group.sliding.is_empty() {
                 true => (self.laws).rates(self.coefficients, stage, count, scratch)?,
-                false => self.hold(group, part, stage, (scratch, &mut work.sliding))?,
+                false => work.sliding.hold(laws, (group, part), stage, scratch)?,
             }
             self.laws.flow(stage, count, &mut rates[r + 1]);
         }
@@ -303,7 +273,12 @@ impl ShootingIntegrator<'_> {
         let [here, middle, next] = &mut work.points;
         let (scratch, local, rates) = (&mut work.scratch, &mut work.local, &mut work.rates);
         let (flow, end) = (&mut work.sliding, group.part(s, 1.0));
-        self.linearise_at(group, end, next, (scratch, flow, &mut local[2]))?;
+        flow.linearise(
+            self.weighted_laws(),
+            (group, end),
+            next,
+            (scratch, &mut local[2]),
+        )?;
         // The middle state by cubic Hermite interpolation.
         laws.flow(next, count, &mut rates[1]);
         middle.copy_from_slice(next);
@@ -317,7 +292,12 @@ impl ShootingIntegrator<'_> {
         }
         self.set_exogenous(group, group.part(s, 0.5), middle);
         let half = group.part(s, 0.5);
-        self.linearise_at(group, half, middle, (scratch, flow, &mut local[1]))?;
+        flow.linearise(
+            self.weighted_laws(),
+            (group, half),
+            middle,
+            (scratch, &mut local[1]),
+        )?;
         if let Some((tape, _)) = self.all {
             values(tape, middle, count, &mut work.values[1], &mut work.tape);
             values(tape, next, count, &mut work.values[2], &mut work.tape);

@@ -8,7 +8,6 @@ use nalgebra::DMatrix;
 
 use super::compiled_laws::{CompiledLaws, Diverged, LocalLinearization, Scratch};
 use super::law_switches::LawSwitches;
-use super::shooting::ShootingIntegrator;
 use super::step_group::StepGroup;
 use sidc_solve::simd::axpy;
 use sidc_system::switching::least_norm;
@@ -43,59 +42,22 @@ struct At<'a> {
     group: &'a StepGroup<'a>,
 }
 
-impl ShootingIntegrator<'_> {
-    /// Sets σ of the switches that slide, and the rates with them, at points at a part of the intervals.
-    ///
-    /// # Errors
-    /// No σ keeps them.
-    pub(super) fn hold(
-        &self,
-        group: &StepGroup,
-        part: f64,
-        points: &mut [f64],
-        (scratch, flow): (&mut Scratch, &mut SlidingFlow),
-    ) -> Result<(), Diverged> {
-        let Some(at) = self.sliding_at(group) else {
-            return Ok(());
-        };
-        flow.measure(at, part, points, scratch)?;
-        flow.hold(at, points, scratch)
-    }
-
-    /// The laws linearised at points, along the guards of the switches that slide.
-    ///
-    /// # Errors
-    /// They diverge there, or no σ keeps the guards.
-    pub(super) fn linearise_at(
-        &self,
-        group: &StepGroup,
-        part: f64,
-        points: &mut [f64],
-        (scratch, flow, local): (&mut Scratch, &mut SlidingFlow, &mut LocalLinearization),
-    ) -> Result<(), Diverged> {
-        self.hold(group, part, points, (scratch, flow))?;
-        let (a, count) = (self.coefficients, group.count());
-        self.laws.evaluate(a, points, count, scratch, local)?;
-        match self.sliding_at(group) {
-            Some(at) => flow.project(at, local),
-            None => Ok(()),
-        }
-    }
-
+impl<'a> At<'a> {
     /// `None` where nothing slides.
-    fn sliding_at<'a>(&'a self, group: &'a StepGroup) -> Option<At<'a>> {
-        let switches = self.laws.switches.as_ref();
+    fn of(
+        (laws, coefficients): (&'a CompiledLaws, &'a [f64]),
+        group: &'a StepGroup,
+    ) -> Option<Self> {
+        let switches = laws.switches.as_ref();
         let switches = switches.filter(|_| !group.sliding.is_empty())?;
         Some(At {
-            laws: self.laws,
+            laws,
             switches,
-            coefficients: self.coefficients,
+            coefficients,
             group,
         })
     }
-}
 
-impl At<'_> {
     /// σ of a switch at all points.
     fn side<'p>(&self, switch: usize, points: &'p mut [f64]) -> &'p mut [f64] {
         let count = self.group.count();
@@ -110,6 +72,44 @@ impl At<'_> {
 }
 
 impl SlidingFlow {
+    /// Sets σ of the switches that slide, and the rates with them, at points at a part of the intervals. `laws`: with their coefficients.
+    ///
+    /// # Errors
+    /// No σ keeps them.
+    pub fn hold(
+        &mut self,
+        laws: (&CompiledLaws, &[f64]),
+        (group, part): (&StepGroup, f64),
+        points: &mut [f64],
+        scratch: &mut Scratch,
+    ) -> Result<(), Diverged> {
+        let Some(at) = At::of(laws, group) else {
+            return Ok(());
+        };
+        self.measure(at, part, points, scratch)?;
+        self.set_sides(at, points, scratch)
+    }
+
+    /// The laws linearised at points, along the guards of the switches that slide.
+    ///
+    /// # Errors
+    /// They diverge there, or no σ keeps the guards.
+    pub fn linearise(
+        &mut self,
+        laws: (&CompiledLaws, &[f64]),
+        at: (&StepGroup, f64),
+        points: &mut [f64],
+        (scratch, local): (&mut Scratch, &mut LocalLinearization),
+    ) -> Result<(), Diverged> {
+        self.hold(laws, at, points, scratch)?;
+        let (laws, a) = laws;
+        laws.evaluate(a, points, at.0.count(), scratch, local)?;
+        match At::of((laws, a), at.0) {
+            Some(at) => self.project(at, local),
+            None => Ok(()),
+        }
+    }
+
     /// The flow and the rates of the guards as functions of σ.
     fn measure(
         &mut self,
@@ -174,7 +174,12 @@ impl SlidingFlow {
     }
 
     /// Sets σ that keep the guards, and the rates.
-    fn hold(&mut self, at: At, points: &mut [f64], scratch: &mut Scratch) -> Result<(), Diverged> {
+    fn set_sides(
+        &mut self,
+        at: At,
+        points: &mut [f64],
+        scratch: &mut Scratch,
+    ) -> Result<(), Diverged> {
         let (n, laws, count) = (at.laws.states, at.laws, at.group.count());
         let m = at.group.sliding.len();
         solve_at_each((&self.slope, &self.start), (m, 1, count), &mut self.sides)?;

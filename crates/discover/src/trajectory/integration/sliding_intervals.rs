@@ -7,10 +7,11 @@ use super::compiled_laws::Diverged;
 use super::events::Passage;
 use super::law_switches::LawSwitches;
 use super::parameter_sensitivity::scatter;
-use super::shooting::{IntervalBlock, ShootingIntegrator, Workspace, values};
+use super::shooting::{IntervalBlock, ShootingIntegrator, values};
 use super::step_group::StepGroup;
+use super::workspace::Workspace;
 use crate::trajectory::model::Record;
-use sidc_system::switching::Modes;
+use sidc_system::switching::{Mode, Modes};
 
 /// An interval whose contacts are decided.
 struct Start {
@@ -91,8 +92,10 @@ impl ShootingIntegrator<'_> {
             set(&mut work.points[0][switches.first * count..], &start.sides);
             set(&mut work.reached, &start.onto);
         }
-        let (scratch, flow, local) = (&mut work.scratch, &mut work.sliding, &mut work.local[0]);
-        self.linearise_at(&group, 0.0, &mut work.points[0], (scratch, flow, local))?;
+        let local = (&mut work.scratch, &mut work.local[0]);
+        let here = &mut work.points[0];
+        work.sliding
+            .linearise(self.weighted_laws(), (&group, 0.0), here, local)?;
         if let Some((tape, _)) = self.all {
             let all = &mut work.values[0];
             values(tape, &work.points[0], count, all, &mut work.tape);
@@ -108,7 +111,7 @@ impl ShootingIntegrator<'_> {
                 switches.guards(points, count, &mut guards, &mut work.tape);
                 let sides = &points[switches.first * count..];
                 for (b, slot) in group.slots.iter().enumerate() {
-                    let margin = |(k, mode): (usize, &sidc_system::switching::Mode)| {
+                    let margin = |(k, mode): (usize, &Mode)| {
                         mode.margin(guards[k * count + b], sides[k * count + b])
                     };
                     let holds = modes.0.iter().enumerate().map(margin).all(|m| m >= 0.0);

@@ -169,3 +169,61 @@ fn a_belt_whose_speed_changes() {
         }
     }
 }
+
+/// Intervals side by side give what each gives alone, whether all contacts hold, one is let go, or none is.
+#[test]
+fn what_slides_together_goes_as_alone() {
+    let body = "system body\nstate x : order 2\ninput v\nddx ~ <x, x^3, sign(dx - v)>\n";
+    let two = "system two\nstate x : order 2\nstate q : order 2\ninput v\n\
+        ddx ~ <x, sign(dx - v), ddq*cos(q)>\nddq ~ <sin(q), sign(dq - dx), ddx*cos(q)>\n";
+    let belt: Vec<f64> = (0..13).map(|k| 0.1 + 0.02 * f64::from(k % 3)).collect();
+    for (laws, coefficients) in [
+        (body, &[-30.0, 4.0, -1.0][..]),
+        (two, &[-9.0, -0.7, -0.2, -4.0, -0.5, -0.4]),
+    ] {
+        let system = system(laws);
+        let n = system.states.len();
+        let record = Record {
+            time: (0..belt.len()).map(|k| 0.02 * k as f64).collect(),
+            measured: vec![vec![f64::NAN; belt.len()]; n],
+            exogenous: vec![Exogenous {
+                values: belt.clone(),
+                between: Between::Linear,
+            }],
+            ..Record::default()
+        };
+        // Ever further out, on the belt but for every fifth sample.
+        let state = |k: usize| {
+            let slip = if k % 5 == 4 { 0.05 } else { 0.0 };
+            let speed = belt[k] + slip;
+            [0.004 * k as f64, speed, 0.1, speed][..n].to_vec()
+        };
+        let states: Vec<f64> = (0..belt.len()).flat_map(state).collect();
+        let active: Vec<usize> = (0..coefficients.len()).collect();
+        let integrator = ShootingIntegrator {
+            laws: &CompiledLaws::new(&system, &active),
+            all: None,
+            coefficients,
+            spread: &vec![1.0; n],
+            accuracy: 1e-11,
+        };
+        let block = |intervals| {
+            let (mut work, mut out) = (Workspace::default(), IntervalBlock::default());
+            let done = integrator.block(&record, &states, intervals, &mut work, &mut out);
+            done.unwrap();
+            out
+        };
+        let together = block(0..belt.len() - 1);
+        let mut alone = IntervalBlock::default();
+        (0..belt.len() - 1).for_each(|k| alone.append(&block(k..k + 1)));
+        for (a, b) in [
+            (&together.end, &alone.end),
+            (&together.transition, &alone.transition),
+            (&together.columns, &alone.columns),
+        ] {
+            assert_eq!(a.len(), b.len());
+            let all = a.iter().zip(b).enumerate();
+            all.for_each(|(i, (a, b))| assert!(close(*a, *b, 1e-11), "{i}: {a} for {b}"));
+        }
+    }
+}
