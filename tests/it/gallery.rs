@@ -12,8 +12,9 @@ use sidc_lang::model::RightSide;
 use sidc_lang::source::Sources;
 use sidc_lang::term::Language;
 
+use super::answers::answer;
 use super::lang::texts_in;
-use sidc_testing::program::{Piece, Run, is_figure, is_proof_by_tolerance, pieces, sidc};
+use sidc_testing::program::{Piece, is_figure, is_proof_by_tolerance, pieces, sidc};
 
 /// Largest number of characters in a printed line.
 const WIDEST: usize = 120;
@@ -88,22 +89,6 @@ impl Header {
                 .collect(),
         }
     }
-}
-
-fn identified(name: &str, header: &Header) -> (Run, Value) {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("result.json").display().to_string();
-    let model = format!("models/{name}.sid");
-    let mut args = vec!["identify", &model];
-    args.extend(header.data.iter().map(String::as_str));
-    args.extend(["-o", &out]);
-    let run = sidc(&args);
-    let text = std::fs::read_to_string(&out).unwrap_or_else(|_| panic!("{name}: {}", run.stderr));
-    let run = Run {
-        stdout: run.stdout.replace(&out, "result.json"),
-        ..run
-    };
-    (run, serde_json::from_str(&text).unwrap())
 }
 
 /// Targets and right sides of the equations found, as text.
@@ -244,7 +229,10 @@ fn judge(name: &str, text: &str) -> (Vec<String>, String) {
             faults.push(format!("{}: {}", args.join(" "), run.stderr));
         }
     }
-    let (run, document) = identified(name, &header);
+    let data: Vec<&str> = header.data.iter().map(String::as_str).collect();
+    let answer = answer(name, &data);
+    let run = &answer.run;
+    let document: Value = serde_json::from_str(&answer.document).unwrap();
     faults.extend(compare(
         &normal(&found(&document), &document),
         &normal(&header.expected, &document),
@@ -268,7 +256,7 @@ fn judge(name: &str, text: &str) -> (Vec<String>, String) {
     let digits = if header.within > USUAL { 2 } else { 4 };
     let shown = reduced(&run.stdout, digits);
     if !faults.is_empty() {
-        faults.push(run.stdout);
+        faults.push(run.stdout.clone());
     }
     (faults, shown)
 }

@@ -4,6 +4,7 @@
 
 mod advice;
 mod agreement;
+mod answers;
 mod architecture;
 mod attack;
 mod autocorrelated_noise;

@@ -5,12 +5,20 @@ use std::process::Command;
 
 use sidc_testing::program::{Run, root, sidc, sidc_in};
 
+use crate::answers::answer;
+
 pub fn result(folder: &Path, model: &str, options: &[&str]) -> String {
     let out = folder.join(format!("{model}.json")).display().to_string();
     let (sid, csv) = (
         format!("models/{model}.sid"),
         format!("models/data/{model}.csv"),
     );
+    if options.is_empty() {
+        let answer = answer(model, &[&csv]);
+        assert!(matches!(answer.run.status, 0 | 3), "{}", answer.run.stderr);
+        std::fs::write(&out, &answer.document).unwrap();
+        return out;
+    }
     let mut args = vec!["identify", &sid, &csv, "-q", "-o", &out];
     args.extend(options);
     let run = sidc(&args);

@@ -44,6 +44,7 @@
 //! `search`, `hidden_states`, `sensor_faults`, `pooling`, `structural`.
 
 mod cancellation;
+mod golden_section;
 pub(crate) mod hidden_states;
 mod integration;
 mod least_squares;

@@ -12,7 +12,7 @@ sidc_thresholds::family! {
         /// The least: none.
         least: f64 = 1e-12, unit "of the curvature", source "a step is then that of Gauss and Newton to more digits than a fit has";
         /// Fall of the value that a step is expected to bring, at which it is not tried.
-        rounding: f64 = 1e-14, unit "of the value", source "rounding of a sum of a hundred squares";
+        rounding: f64 = 1e-16, unit "of the value", source "half a unit in the last place";
         /// The most: a step moves nothing.
         most: f64 = 1e6, unit "of the curvature", source "a step is a millionth of that of Gauss and Newton";
     }

@@ -1,7 +1,7 @@
 //! Intervals along which the same switches slide from their starts to their ends: integrated side by side.
 //!
 //! In: intervals in which a switch may change its side. Out: end states, T and U of those in which none does; which ones are left. At rest a
-//! record has nothing but such intervals, and one by one each takes ten times as long.
+//! record has nothing but such intervals, and one by one they take several times as long.
 
 use super::compiled_laws::Diverged;
 use super::events::Passage;

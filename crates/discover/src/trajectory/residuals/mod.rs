@@ -7,7 +7,6 @@ mod channels;
 mod effective_sample_size;
 mod errors_ahead;
 mod fitted_signals;
-mod golden_section;
 mod noise_growth;
 mod noise_time_constant;
 mod outliers;

@@ -5,8 +5,8 @@
 //! given the fit, with the level of each sensor profiled out: the pseudo-likelihood of Davidian & Carroll (J. Am. Stat. Assoc. 1987). Fits no
 //! laws.
 
-use super::golden_section::golden_section;
 use super::outliers::far_alone;
+use crate::trajectory::golden_section::golden_section;
 use crate::trajectory::likelihood::{Fit, final_floor};
 use crate::trajectory::model::Problem;
 use crate::trajectory::thresholds::{GAUSS_NEWTON, GROWTH, RESIDUALS};

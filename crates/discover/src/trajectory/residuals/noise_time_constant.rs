@@ -4,7 +4,7 @@
 //! order in continuous time; its time constant is that of the largest likelihood given the fit, with the size of each sensor's noise profiled
 //! out. Fits no laws.
 
-use super::golden_section::golden_section;
+use crate::trajectory::golden_section::golden_section;
 use crate::trajectory::likelihood::{Fit, final_floor};
 use crate::trajectory::model::{Problem, Record};
 use crate::trajectory::thresholds::{GAUSS_NEWTON, NOISE_MEMORY, RESIDUALS};

@@ -6,6 +6,7 @@
 
 use super::delay_screening::{columns, restricted};
 use super::time_shift::step;
+use crate::trajectory::golden_section::GoldenSection;
 use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, fit};
 use crate::trajectory::model::{AppliedDelay, LinearizationPoint, Problem};
 use crate::trajectory::search::{final_criterion, last_criterion};
@@ -195,32 +196,20 @@ impl DelayProfile<'_> {
         }
         let spacing = grid.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
         let middle = self.delays[place].seconds;
-        let (mut from, mut to) = (
+        let bracket = (
             (middle - spacing).max(delay.range.0),
             (middle + spacing).min(delay.range.1),
         );
-        let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-        let mut inner = (to - golden * (to - from), from + golden * (to - from));
-        let mut values = (
-            self.value(place, inner.0, observer),
-            self.value(place, inner.1, observer),
-        );
+        let flat = DECLARED_DELAYS.flat * self.rise;
+        let mut section = GoldenSection::new(bracket, &mut |at| self.value(place, at, observer));
         for _ in 0..DECLARED_DELAYS.sections {
             // The criterion no longer changes, but for the accuracy of the fits.
-            if (values.0 - values.1).abs() < DECLARED_DELAYS.flat * self.rise || !observer.go_on() {
+            if section.difference() < flat || !observer.go_on() {
                 break;
             }
-            if values.0 < values.1 {
-                to = inner.1;
-                inner = (to - golden * (to - from), inner.0);
-                values = (self.value(place, inner.0, observer), values.0);
-            } else {
-                from = inner.0;
-                inner = (inner.1, from + golden * (to - from));
-                values = (values.1, self.value(place, inner.1, observer));
-            }
+            section.narrow(&mut |at| self.value(place, at, observer));
         }
-        self.move_to_vertex(place, (from, to), observer);
+        self.move_to_vertex(place, section.bracket, observer);
     }
 
     /// The vertex of the parabola through the best delay and both ends of its bracket.
