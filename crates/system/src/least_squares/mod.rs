@@ -44,7 +44,7 @@ pub struct Descent {
 }
 
 /// The least value reached.
-pub struct Minimum<P: LeastSquares + ?Sized> {
+pub struct Minimum<P: LeastSquares> {
     /// Where.
     pub point: P::Point,
     /// What was computed there.
@@ -54,7 +54,7 @@ pub struct Minimum<P: LeastSquares + ?Sized> {
 }
 
 /// Goes down from a point. `None` where nothing can be computed there.
-pub fn levenberg_marquardt<P: LeastSquares + ?Sized>(
+pub fn levenberg_marquardt<P: LeastSquares>(
     problem: &mut P,
     start: P::Point,
     descent: Descent,
@@ -103,7 +103,7 @@ pub fn levenberg_marquardt<P: LeastSquares + ?Sized>(
 }
 
 /// JᵀJ and −Jᵀr by difference quotients of the residuals of a fit, each of so many unknowns moved by a step.
-pub fn difference_equations<P: LeastSquares + ?Sized>(
+pub fn difference_equations<P: LeastSquares>(
     problem: &mut P,
     at: &P::Point,
     left: &DVector<f64>,

@@ -48,9 +48,7 @@ impl SlidingRates {
             sides[*k] = 0.0;
             for i in 0..m {
                 let own = out[contacts[i]] - start[i];
-                // Below rounding of the rates themselves σ has no hold on the guard.
-                let rounding = SWITCHING.rounding * (out[contacts[i]].abs() + start[i].abs());
-                slope[(i, j)] = if own.abs() <= rounding { 0.0 } else { own };
+                slope[(i, j)] = above_rounding(own, start[i]);
             }
         }
         Ok(SlidingRates {
@@ -150,6 +148,12 @@ impl SlidingRates {
         }
         found.iter().all(|s| s.is_finite())
     }
+}
+
+/// What a unit of σ adds to the rate of a guard, which is `start` without it. Below rounding of the rates themselves σ has no hold on the guard.
+pub fn above_rounding(added: f64, start: f64) -> f64 {
+    let rounding = SWITCHING.rounding * ((start + added).abs() + start.abs());
+    if added.abs() <= rounding { 0.0 } else { added }
 }
 
 /// Solves `matrix` · X = `right`. Where contacts constrain the same motion, so that the matrix is singular, the solution of least norm.

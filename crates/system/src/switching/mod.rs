@@ -13,7 +13,7 @@ mod modes;
 mod switches;
 pub mod thresholds;
 
-pub use contact_problem::{GuardRates, SlidingRates, least_norm};
+pub use contact_problem::{GuardRates, SlidingRates, above_rounding, least_norm};
 pub use event_location::{Located, locate};
 pub use modes::{Mode, Modes};
 pub use switches::Switches;

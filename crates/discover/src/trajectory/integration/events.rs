@@ -200,9 +200,7 @@ impl<'a> Passage<'a> {
         } else if least(&margins) >= 0.0 {
             // Only the interpolated middle was beyond.
             self.advance_to(to, work)?;
-            self.integrator.linearise_step(&self.group, 0, work)?;
-            self.finish_step(to, work, out);
-            return Ok(());
+            return self.take_step(to, work, out);
         }
         let (whole, last) = (end - from, least(&margins));
         let found = locate(last, &mut |part| {
@@ -214,8 +212,7 @@ impl<'a> Passage<'a> {
                 let there = self.margins_at(at, work)?;
                 let crossed = (0..margins.len()).filter(|k| margins[*k] < 0.0);
                 let first = crossed.min_by(|a, b| there[*a].total_cmp(&there[*b]));
-                self.integrator.linearise_step(&self.group, 0, work)?;
-                self.finish_step(at, work, out);
+                self.take_step(at, work, out)?;
                 self.event(first.unwrap_or(0), None, work, out)
             }
             Located::Start => {
@@ -250,12 +247,19 @@ impl<'a> Passage<'a> {
     }
 
     fn margins(&self, point: &[f64], tape: &mut Vec<f64>) -> Vec<f64> {
-        let mut guards = Vec::new();
-        self.switches.guards(point, 1, &mut guards, tape);
-        let sides = &point[self.switches.first..];
-        let both = guards.iter().zip(sides).zip(&self.modes.0);
-        both.map(|((g, side), mode)| mode.margin(*g, *side))
-            .collect()
+        self.switches.margins(&self.modes, (point, 1), tape)
+    }
+
+    /// Goes on to the end of a step that has been advanced.
+    fn take_step(
+        &mut self,
+        to: f64,
+        work: &mut Workspace,
+        out: &mut IntervalBlock,
+    ) -> Result<(), Diverged> {
+        self.integrator.linearise_step(&self.group, 0, work)?;
+        self.finish_step(to, work, out);
+        Ok(())
     }
 
     /// Goes on to the end of a step whose laws are linearised.

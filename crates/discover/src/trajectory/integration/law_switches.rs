@@ -3,12 +3,10 @@
 //! In: laws as written. Out: laws that are smooth while every switch keeps its side, guards and their gradients at points. Laws that
 //! bend but never jump stay as they are: integration only loses some digits there.
 
-use std::borrow::Cow;
-
 use crate::trajectory::model::Impulse;
 use crate::trajectory::thresholds::SHOOTING;
 use sidc_lang::term::{Expr, Signal, Tape, Term};
-use sidc_system::switching::{Mode, Switches};
+use sidc_system::switching::{Mode, Modes, Switches};
 
 /// Guards of the active laws, compiled.
 pub(crate) struct LawSwitches {
@@ -19,8 +17,6 @@ pub(crate) struct LawSwitches {
     guards: Tape,
     /// Their derivatives by every state, then by every exogenous signal, guard after guard.
     slopes: Tape,
-    /// Those derivatives, if they are the same everywhere.
-    fixed_slopes: Option<Gradients>,
     /// The row of each guard's impulse among those of points, where a column has it.
     impulses: Vec<Option<usize>>,
     /// Whether a guard depends on the states, and not on exogenous signals alone.
@@ -70,21 +66,16 @@ impl LawSwitches {
             let own = impulses.iter().find(|i| i.guard == *g)?;
             signals.iter().position(|s| *s == own.signal)
         };
-        let mut compiled = LawSwitches {
+        let compiled = LawSwitches {
             impulses: switches.guards.iter().map(row).collect(),
             follows_states: switches.guards.iter().map(follows).collect(),
             first: signals.len(),
             guards: tape(&switches.guards),
-            fixed_slopes: None,
             slopes: tape(&slopes),
             states,
             exogenous: exogenous.len(),
             switches,
         };
-        let moves = |e: &Expr| inputs.iter().any(|s| e.mentions(*s));
-        if !slopes.iter().any(moves) {
-            compiled.fixed_slopes = Some(compiled.gradients_of(&vec![0.0; inputs.len()]));
-        }
         Some((smooth, compiled))
     }
 
@@ -124,6 +115,25 @@ impl LawSwitches {
         self.guards.eval(points, count, out, work);
     }
 
+    /// What stays at or above zero at points as long as these modes hold, switches × `count`.
+    pub fn margins(
+        &self,
+        modes: &Modes,
+        (points, count): (&[f64], usize),
+        work: &mut Vec<f64>,
+    ) -> Vec<f64> {
+        let mut margins = Vec::new();
+        self.guards(points, count, &mut margins, work);
+        let sides = points[self.first * count..].chunks_exact(count);
+        let rows = margins.chunks_exact_mut(count).zip(sides).zip(&modes.0);
+        for ((margins, sides), mode) in rows {
+            for (guard, side) in margins.iter_mut().zip(sides) {
+                *guard = mode.margin(*guard, *side);
+            }
+        }
+        margins
+    }
+
     /// Sets σ at points to the sides on which they are: 0 where a guard is zero.
     pub fn set_sides(&self, points: &mut [f64], count: usize) {
         let (mut guards, mut work) = (Vec::new(), Vec::new());
@@ -141,21 +151,14 @@ impl LawSwitches {
         }
     }
 
-    /// Derivatives of the guards at a single point.
-    pub(super) fn gradients(&self, point: &[f64]) -> Cow<'_, Gradients> {
-        match &self.fixed_slopes {
-            Some(fixed) => Cow::Borrowed(fixed),
-            None => Cow::Owned(self.gradients_of(point)),
-        }
-    }
-
     /// Of each guard its derivatives by every state, then by every exogenous signal, rows over points.
     pub(super) fn gradients_at(&self, points: &[f64], count: usize, out: &mut Vec<f64>) {
         out.resize(self.slopes.outputs() * count, 0.0);
         self.slopes.eval(points, count, out, &mut Vec::new());
     }
 
-    fn gradients_of(&self, point: &[f64]) -> Gradients {
+    /// Derivatives of the guards at a single point.
+    pub(super) fn gradients(&self, point: &[f64]) -> Gradients {
         let mut all = Vec::new();
         self.gradients_at(point, 1, &mut all);
         let mut out = Gradients::default();

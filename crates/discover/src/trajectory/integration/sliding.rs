@@ -4,7 +4,6 @@
 //! in the states there (speeds are).
 
 use nalgebra::DMatrix;
-use std::borrow::Cow;
 
 use super::compiled_laws::{CompiledLaws, Diverged, Scratch};
 use super::law_switches::{Gradients, LawSwitches};
@@ -21,7 +20,7 @@ pub(super) struct LawsAtPoint<'a> {
     coefficients: &'a [f64],
     pub point: &'a mut [f64],
     scratch: &'a mut Scratch,
-    pub gradients: Cow<'a, Gradients>,
+    pub gradients: Gradients,
     /// What the exogenous signals alone move each guard by, a second.
     by_time: Vec<f64>,
 }
@@ -84,14 +83,14 @@ impl<'a> LawsAtPoint<'a> {
     fn flow_by_side(&mut self, sliding: &[usize]) -> Result<DMatrix<f64>, Diverged> {
         let held = self.sides().to_vec();
         let mut by_side = DMatrix::zeros(self.laws.states, sliding.len());
-        for (k, mut column) in sliding.iter().zip(by_side.column_iter_mut()) {
+        for (j, k) in sliding.iter().enumerate() {
             let mut sides = held.clone();
             sides[*k] = 1.0;
             let above = self.flow(&sides)?;
             sides[*k] = 0.0;
             let level = self.flow(&sides)?;
-            for ((out, a), b) in column.iter_mut().zip(&above).zip(&level) {
-                *out = a - b;
+            for (i, (a, b)) in above.iter().zip(&level).enumerate() {
+                by_side[(i, j)] = a - b;
             }
         }
         self.flow(&held)?;

@@ -10,8 +10,7 @@ use super::compiled_laws::{CompiledLaws, Diverged, LocalLinearization, Scratch};
 use super::law_switches::LawSwitches;
 use super::step_group::StepGroup;
 use sidc_solve::simd::axpy;
-use sidc_system::switching::least_norm;
-use sidc_system::switching::thresholds::SWITCHING;
+use sidc_system::switching::{above_rounding, least_norm};
 
 /// dz/dt at points, affine in the σ of the switches that slide, and how it moves their guards.
 #[derive(Default)]
@@ -163,11 +162,7 @@ impl SlidingFlow {
             }
             for slope in slopes.chunks_exact_mut(count) {
                 for (slope, start) in slope.iter_mut().zip(&*start) {
-                    // Below rounding of the rates themselves σ has no hold on the guard.
-                    let whole = (start + *slope).abs() + start.abs();
-                    if slope.abs() <= SWITCHING.rounding * whole {
-                        *slope = 0.0;
-                    }
+                    *slope = above_rounding(*slope, *start);
                 }
             }
         }

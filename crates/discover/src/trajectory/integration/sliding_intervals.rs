@@ -11,7 +11,7 @@ use super::shooting::{IntervalBlock, ShootingIntegrator, values};
 use super::step_group::StepGroup;
 use super::workspace::Workspace;
 use crate::trajectory::model::Record;
-use sidc_system::switching::{Mode, Modes};
+use sidc_system::switching::Modes;
 
 /// An interval whose contacts are decided.
 struct Start {
@@ -103,27 +103,23 @@ impl ShootingIntegrator<'_> {
         let steps = self.steps(&work.local[0], &group.h)?;
         group.steps = steps.into_iter().max().unwrap_or(1);
         group.h.iter_mut().for_each(|h| *h /= group.steps as f64);
-        let (mut changes, mut guards) = (Vec::new(), Vec::new());
+        let mut changes = vec![false; count];
         for s in 0..group.steps {
             self.advance(&group, s, work)?;
             self.linearise_step(&group, s, work)?;
             for points in &work.points[1..] {
-                switches.guards(points, count, &mut guards, &mut work.tape);
-                let sides = &points[switches.first * count..];
-                for (b, slot) in group.slots.iter().enumerate() {
-                    let margin = |(k, mode): (usize, &Mode)| {
-                        mode.margin(guards[k * count + b], sides[k * count + b])
-                    };
-                    let holds = modes.0.iter().enumerate().map(margin).all(|m| m >= 0.0);
-                    if !holds && !changes.contains(slot) {
-                        changes.push(*slot);
-                    }
+                let margins = switches.margins(modes, (points, count), &mut work.tape);
+                for (place, margin) in margins.iter().enumerate() {
+                    changes[place % count] |= margin.is_nan() || *margin < 0.0;
                 }
             }
             self.accumulate(&group, s > 0, work, out);
         }
         scatter(&work.points[0][..n * count], &group.slots, &mut out.end);
         scatter(&work.reached, &group.slots, &mut out.transition);
-        Ok(changes)
+        let slots = group.slots.into_iter().zip(changes);
+        Ok(slots
+            .filter_map(|(slot, changes)| changes.then_some(slot))
+            .collect())
     }
 }
