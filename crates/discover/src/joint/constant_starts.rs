@@ -10,8 +10,8 @@ use crate::options::Options;
 use crate::regression::thresholds::WEAK_FORM;
 use crate::regression::uncoupled::{at_once, map_equations};
 use crate::trajectory::{
-    CONSTANTS, FittedConstants, Problem, constants_by_runs, fit_constants_by_levels,
-    fit_constants_from, likely_constants,
+    CONSTANTS, FittedConstants, Problem, StartingSupport, constants_by_runs,
+    fit_constants_by_levels, fit_constants_from, likely_constants, value_from,
 };
 use crate::unknown_constants::{self, MinimaSought, SearchedConstant};
 use sidc_data::{Dataset, Samples, samples};
@@ -141,58 +141,119 @@ fn best_distinct(mut ranked: Vec<(f64, Vec<f64>)>, most: usize) -> Vec<Vec<f64>>
 }
 
 /// What `work` makes of each point, at as many at once as fit into memory.
-fn at_each<A: Send>(
-    points: Vec<Vec<f64>>,
+fn at_each<A: Send, B: Send>(
+    points: Vec<A>,
     problem: &Problem,
     options: &Options,
     watcher: &mut EquationObserver,
-    work: impl Fn(Vec<f64>, &mut EquationObserver) -> A + Sync,
-) -> Vec<A> {
+    work: impl Fn(A, &mut EquationObserver) -> B + Sync,
+) -> Vec<B> {
     let entries = (problem.system.columns.len() * problem.measurements()) as u128;
     let size = entries * u128::from(WEAK_FORM.bytes_per_entry);
     let at_once = at_once(vec![size; points.len()], options.memory);
-    let points = points.into_iter().map(|values| (0, values)).collect();
+    let points = points.into_iter().map(|point| (0, point)).collect();
     let done = map_equations(at_once, points, watcher, work).into_iter();
     done.map(|(_, done)| done).collect()
 }
 
-/// The likeliest of many points, their constants refined: the weak form gives the terms at each point. One point; a few for a large library, where
-/// the best guess may lose the search; the first of all points if the weak form finds no terms anywhere.
+/// The likeliest of many points, their constants refined. One point; a few for a large library, where the best guess may lose the search; the
+/// first of all points if nothing can be fitted anywhere.
 fn likeliest(
-    (model, libraries): (&Model, &[Option<Library>]),
+    of: (&Model, &[Option<Library>]),
     (dataset, problem): (&Dataset, &Problem),
     (all, points): (&[SearchedConstant], Vec<Vec<f64>>),
     options: &Options,
     watcher: &mut EquationObserver,
 ) -> Vec<Vec<f64>> {
-    let fitted_from = |values: Vec<f64>, watcher: &mut EquationObserver| {
-        if !watcher.go_on() {
-            return (f64::INFINITY, values);
-        }
-        let constants = Constants::new(all, &values, &[]);
-        let (at, acting) = (constants.problem(problem), constants.dataset(dataset));
-        let fitted = match at.system.columns.is_empty() {
-            true => fit_constants_by_levels(&at, constants.sought(), watcher),
-            false => {
-                let guesses = weak_guesses((model, libraries), &acting, &at, options, watcher);
-                let fits = guesses.iter().filter_map(|guess| {
-                    fit_constants_from(&at, guess, constants.sought(), 1.0, watcher)
-                });
-                fits.min_by(|a, b| a.value.total_cmp(&b.value))
-            }
-        };
-        let new = |f: &FittedConstants| (f.value, f.constants.iter().map(|c| c.value).collect());
-        fitted.as_ref().map_or((f64::INFINITY, values), new)
-    };
     let first: Vec<Vec<f64>> = points.iter().take(1).cloned().collect();
-    let ranked = at_each(points, problem, options, watcher, fitted_from);
     let most = match is_large(problem) {
         true => CONSTANTS.searched,
         false => 1,
     };
-    let best = best_distinct(ranked, most);
+    let ranked = match problem.system.columns.is_empty() {
+        true => at_each(points, problem, options, watcher, |values, watcher| {
+            let constants = Constants::new(all, &values, &[]);
+            let at = constants.problem(problem);
+            refined(fit_constants_by_levels(&at, constants.sought(), watcher))
+        }),
+        false => {
+            let guesses = guessed(of, (dataset, problem), (all, points), options, watcher);
+            raced(guesses, problem, (all, most), options, watcher)
+        }
+    };
+    let best = best_distinct(ranked.into_iter().flatten().collect(), most);
     match best.is_empty() {
         true => first,
         false => best,
     }
+}
+
+/// The criterion and the values of constants that were fitted.
+fn refined(fitted: Option<FittedConstants>) -> Option<(f64, Vec<f64>)> {
+    fitted.map(|f| (f.value, f.constants.iter().map(|c| c.value).collect()))
+}
+
+/// Values of the constants with terms that the weak form guesses there.
+struct Guess {
+    values: Vec<f64>,
+    terms: StartingSupport,
+    /// The criterion, the constants as they are.
+    value: f64,
+}
+
+/// The guesses at all points, the likeliest first.
+fn guessed(
+    of: (&Model, &[Option<Library>]),
+    (dataset, problem): (&Dataset, &Problem),
+    (all, points): (&[SearchedConstant], Vec<Vec<f64>>),
+    options: &Options,
+    watcher: &mut EquationObserver,
+) -> Vec<Guess> {
+    let at_point = |values: Vec<f64>, watcher: &mut EquationObserver| -> Vec<Guess> {
+        if !watcher.go_on() {
+            return Vec::new();
+        }
+        let constants = Constants::new(all, &values, &[]);
+        let (at, acting) = (constants.problem(problem), constants.dataset(dataset));
+        let guesses = weak_guesses(of, &acting, &at, options, watcher).into_iter();
+        let guess = |terms: StartingSupport| {
+            Some(Guess {
+                value: value_from(&at, &terms, watcher)?,
+                values: values.clone(),
+                terms,
+            })
+        };
+        guesses.filter_map(guess).collect()
+    };
+    let guesses = at_each(points, problem, options, watcher, at_point);
+    let mut guesses: Vec<Guess> = guesses.into_iter().flatten().collect();
+    guesses.sort_by(|a, b| a.value.total_cmp(&b.value));
+    guesses
+}
+
+/// The criterion and the constants of each guess, refined. The first `most` are fitted to the end; the others are given up where they are
+/// unlikely to come near these.
+fn raced(
+    mut guesses: Vec<Guess>,
+    problem: &Problem,
+    (all, most): (&[SearchedConstant], usize),
+    options: &Options,
+    watcher: &mut EquationObserver,
+) -> Vec<Option<(f64, Vec<f64>)>> {
+    let others = guesses.split_off(most.min(guesses.len()));
+    let mut fit_all = |guesses: Vec<Guess>, beat: f64| {
+        at_each(guesses, problem, options, watcher, |guess, watcher| {
+            if !watcher.go_on() {
+                return None;
+            }
+            let constants = Constants::new(all, &guess.values, &[]);
+            let (at, sought) = (constants.problem(problem), constants.sought());
+            refined(fit_constants_from(&at, &guess.terms, sought, beat, watcher))
+        })
+    };
+    let mut fitted = fit_all(guesses, f64::INFINITY);
+    let value = |f: &Option<(f64, Vec<f64>)>| f.as_ref().map_or(f64::INFINITY, |f| f.0);
+    let beat = fitted.iter().map(value).fold(f64::NEG_INFINITY, f64::max);
+    fitted.extend(fit_all(others, beat));
+    fitted
 }

@@ -82,7 +82,8 @@ pub use search::{
     Answer, BetterLaws, FittedConstants, Found, LawChange, Parameter, Rival, SearchObserver,
     SoughtConstant, StartingSupport, error_correlations, fit_constants, fit_constants_by_levels,
     fit_constants_from, laws_with_constants, search, search_beyond_libraries, search_disturbed,
-    search_from_fit, unidentifiable_directions, value_by_innovations, with_constant_values,
+    search_from_fit, unidentifiable_directions, value_by_innovations, value_from,
+    with_constant_values,
 };
 pub(crate) use sensor_faults::sampling_interval;
 pub use sensor_faults::{

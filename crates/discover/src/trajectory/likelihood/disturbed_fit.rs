@@ -4,7 +4,7 @@
 //! every point the noises come first, with the laws linearised there; then coefficients and states move.
 
 use super::criterion::{PenalizedLikelihood, residual_squares};
-use super::fitted_support::{Fit, best_judged, left_the_data};
+use super::fitted_support::{Fit, best_judged, is_hopeless, left_the_data};
 use super::kalman_filter::{Filtered, Innovation};
 use super::noise_estimation::estimate_noises;
 use super::step_halving::{StepDecision, StepHalving};
@@ -123,9 +123,8 @@ pub(super) fn disturbed_fit(
             converged = true;
             break;
         }
-        let hope = GAUSS_NEWTON.hopeless_gain * gain.max((before - value).abs());
-        if known && value - beat > GAUSS_NEWTON.hopeless_lag + DISTURBANCES.max_steps as f64 * hope
-        {
+        let gain = gain.max((before - value).abs());
+        if known && is_hopeless(value - beat, DISTURBANCES.max_steps, gain) {
             break;
         }
         before = value;

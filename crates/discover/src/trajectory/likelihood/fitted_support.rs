@@ -74,6 +74,12 @@ pub(super) fn best_judged(halving: StepHalving<Fit>) -> Option<Fit> {
     fit.value.is_finite().then_some(Fit { converged, ..fit })
 }
 
+/// Whether a fit whose criterion lags that far behind another is unlikely to catch up in the steps left, each of which may gain what the
+/// last one did.
+pub(crate) fn is_hopeless(lag: f64, left: usize, gain: f64) -> bool {
+    lag > GAUSS_NEWTON.hopeless_lag + GAUSS_NEWTON.hopeless_gain * left as f64 * gain
+}
+
 /// Whether some state is so far from its readings, or from the smoothed trajectory where it has none, that the fit is of no use.
 pub(super) fn left_the_data(problem: &Problem, point: &LinearizationPoint) -> bool {
     let n = problem.states();

@@ -5,7 +5,7 @@
 
 use super::criterion::{PenalizedLikelihood, residual_squares};
 use super::eliminated_records::EliminatedRecords;
-use super::fitted_support::{Fit, best_judged, left_the_data};
+use super::fitted_support::{Fit, best_judged, is_hopeless, left_the_data};
 use super::step_halving::{StepDecision, StepHalving};
 use crate::trajectory::integration::CompiledLaws;
 use crate::trajectory::least_squares::{IncrementalQr, constrained_step};
@@ -98,9 +98,7 @@ pub(super) fn undisturbed_fit(
             true => halving.gain_is_negligible(new),
             false => (new - value).abs() < GAUSS_NEWTON.criterion_step,
         };
-        let hopeless = new - beat
-            > GAUSS_NEWTON.hopeless_lag
-                + GAUSS_NEWTON.hopeless_gain * left as f64 * (value - new).abs();
+        let hopeless = is_hopeless(new - beat, left, (value - new).abs());
         if new > value + GAUSS_NEWTON.uphill {
             halving.start_halving();
         }

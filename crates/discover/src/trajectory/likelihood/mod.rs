@@ -26,6 +26,7 @@ pub(crate) use criterion::{PenalizedLikelihood, final_floor};
 pub(crate) use disturbed_fit::{innovations, undisturbed_value};
 pub(crate) use eliminated_records::EliminatedRecords;
 pub use fitted_support::Fit;
+pub(crate) use fitted_support::is_hopeless;
 pub(crate) use kalman_filter::Innovation;
 pub(crate) use sandwich_covariance::set_variances;
 pub(crate) use support_fit::fit;

@@ -31,5 +31,5 @@ pub(crate) use support_search::{final_criterion, initial_fit, last_criterion};
 pub use unidentifiable_directions::{Parameter, unidentifiable_directions};
 pub use unknown_constants::{
     FittedConstants, SoughtConstant, fit_constants, fit_constants_by_levels, fit_constants_from,
-    with_constant_values,
+    value_from, with_constant_values,
 };

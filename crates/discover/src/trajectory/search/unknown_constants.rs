@@ -6,7 +6,7 @@
 //! likelihood of (a, δ) that of (a, k + δ) to first order: Gauss–Newton in all of them. The variance of δ is that of k, and those of the
 //! coefficients beside it hold the error of k.
 
-use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, fit};
+use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, fit, is_hopeless};
 use crate::trajectory::model::{
     ExtendedProblem, LinearizationPoint, Problem, impulses_of, indicator,
 };
@@ -55,14 +55,31 @@ impl FittedConstants {
     }
 }
 
-/// As [`fit_constants`], from columns and coefficients that nothing was fitted to.
+/// As [`fit_constants`], from columns and coefficients that nothing was fitted to. `None` also where the criterion is unlikely to come near
+/// `beat`.
 pub fn fit_constants_from(
     problem: &Problem,
     start: &[(usize, f64)],
     constants: &[SoughtConstant],
-    inefficiency: f64,
+    beat: f64,
     observer: &mut dyn Observer,
 ) -> Option<FittedConstants> {
+    let from = fit_from(problem, start, observer)?.point;
+    let criterion = last_criterion(problem, 1.0);
+    let found = climb(problem, from, constants, (&criterion, beat), observer)?;
+    Some(found.widened(1.0))
+}
+
+/// The criterion of columns, from coefficients that nothing was fitted to; the constants stay as they are.
+pub fn value_from(
+    problem: &Problem,
+    start: &[(usize, f64)],
+    observer: &mut dyn Observer,
+) -> Option<f64> {
+    fit_from(problem, start, observer).map(|found| found.value)
+}
+
+fn fit_from(problem: &Problem, start: &[(usize, f64)], observer: &mut dyn Observer) -> Option<Fit> {
     let (support, coefficients) = start.iter().copied().unzip();
     let criterion = final_criterion(problem);
     let point = LinearizationPoint {
@@ -70,8 +87,7 @@ pub fn fit_constants_from(
         coefficients,
         ..problem.initial_point(&problem.noise)
     };
-    let found = fit(problem, point, &criterion, f64::INFINITY, observer)?;
-    fit_constants(problem, &found, constants, inefficiency, observer)
+    fit(problem, point, &criterion, f64::INFINITY, observer)
 }
 
 /// One Gauss–Newton step.
@@ -101,19 +117,9 @@ pub(super) fn fit_constants_at(
     inefficiency: f64,
     observer: &mut dyn Observer,
 ) -> Option<FittedConstants> {
-    let criterion = last_criterion(problem, inefficiency);
-    let found = climb(problem, from, constants, &criterion, observer)?;
-    let wider = inefficiency.sqrt();
-    let errors = found.step.standard_errors.iter();
-    Some(FittedConstants {
-        value: found.fit.value,
-        terms: found.fit.point.active(),
-        constants: found.constants,
-        standard_errors: errors.map(|e| e * wider).collect(),
-        variances: (found.step.variances.iter())
-            .map(|v| v * inefficiency)
-            .collect(),
-    })
+    let criterion = (&last_criterion(problem, inefficiency), f64::INFINITY);
+    let found = climb(problem, from, constants, criterion, observer)?;
+    Some(found.widened(inefficiency))
 }
 
 /// The likeliest constants of laws that are all given, from a start that may be far off. The floor of the noise is lowered level by level: under a
@@ -129,7 +135,8 @@ pub fn fit_constants_by_levels(
         let floors = problem.noise.iter().zip(&criterion.floor);
         let sigma = floors.map(|(noise, floor)| noise.max(*floor)).collect();
         point = LinearizationPoint { sigma, ..point };
-        let found = climb(problem, point.clone(), &here, &criterion, observer);
+        let criterion = (&criterion, f64::INFINITY);
+        let found = climb(problem, point.clone(), &here, criterion, observer);
         if let Some(found) = found {
             (here, point) = (found.constants, found.fit.point);
         }
@@ -145,11 +152,27 @@ struct Climb {
     step: Step,
 }
 
+impl Climb {
+    /// What it found, with variances that many times as large.
+    fn widened(self, inefficiency: f64) -> FittedConstants {
+        let errors = self.step.standard_errors.iter();
+        let variances = self.step.variances.iter();
+        FittedConstants {
+            value: self.fit.value,
+            terms: self.fit.point.active(),
+            standard_errors: errors.map(|e| e * inefficiency.sqrt()).collect(),
+            variances: variances.map(|v| v * inefficiency).collect(),
+            constants: self.constants,
+        }
+    }
+}
+
+/// Gauss–Newton steps to the likeliest constants. Given up where they are unlikely to come near `beat`.
 fn climb(
     problem: &Problem,
     from: LinearizationPoint,
     constants: &[SoughtConstant],
-    criterion: &PenalizedLikelihood,
+    (criterion, beat): (&PenalizedLikelihood, f64),
     observer: &mut dyn Observer,
 ) -> Option<Climb> {
     let mut here = constants.to_vec();
@@ -158,7 +181,7 @@ fn climb(
     let at = |constants: &[SoughtConstant]| with_constant_values(problem, constants);
     let mut best = fit(&at(&here), from, criterion, f64::INFINITY, observer)?;
     let mut step = step(&at(&here), &best, &here, criterion, observer)?;
-    for _ in 0..CONSTANTS.steps {
+    for left in (0..CONSTANTS.steps).rev() {
         let small = |(c, (by, e)): (&SoughtConstant, (&f64, &f64))| {
             let error = if e.is_finite() {
                 CONSTANTS.settled * e
@@ -195,6 +218,9 @@ fn climb(
         let Some((trial, there)) = accepted else {
             break;
         };
+        if is_hopeless(there.value - beat, left, best.value - there.value) {
+            return None;
+        }
         (here, best) = (trial, there);
         step = self::step(&at(&here), &best, &here, criterion, observer)?;
     }
