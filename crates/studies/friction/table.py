@@ -4,6 +4,7 @@
 
 friction:  ddx = b u - k x - c dx - F sign(dx), for every second body less S sign(dx) exp(-abs(dx)/vs), vs unknown.
 threshold: ddx = b u - k x - c dx + F step(x - x0), x0 unknown.
+play:      ddx = b u - c dx - K (max(x - gap, 0) + min(x + gap, 0)), gap unknown: a free body between two springs, as in a gear.
 
 They are integrated from event to event, independently of the program. Noise of the positions is relative to their spread. A line for each
 level: share of exact supports, share of true coefficients and constants in their 95 % intervals, exact answers that pass, others that do,
@@ -96,6 +97,38 @@ class Threshold:
         return self.constants["x0"], v
 
 
+class Play:
+    SPRINGS = "min(gap + x, 0) + max(x - gap, 0)"
+
+    def __init__(self, seed, random):
+        self.law = {
+            self.SPRINGS: -random.uniform(20.0, 150.0),
+            "dx": -random.uniform(0.2, 1.5),
+            "u": random.uniform(0.5, 2.0),
+        }
+        self.most = 4.0 / self.law["u"]
+        self.constants = {"gap": random.uniform(0.05, 0.25)}
+        self.model = (
+            "unknown gap in 0.01..1\nstate x : order 2\ninput u : hold\n"
+            f"ddx ~ <{LIBRARY}, max(x - gap, 0) + min(x + gap, 0)>\n"
+        )
+
+    def rate(self, x, v, u, side):
+        pushed = 0.0 if side > 0 else x - np.copysign(self.constants["gap"], x)
+        return self.law[self.SPRINGS] * pushed + self.law["dx"] * v + self.law["u"] * u
+
+    def guard(self, x, v):
+        """Positive between the springs."""
+        return self.constants["gap"] - abs(x)
+
+    def side(self, x, v, u):
+        apart = self.guard(x, v)
+        return np.sign(apart) if abs(apart) > 1e-13 else -np.sign(x * v)
+
+    def after(self, x, v):
+        return np.copysign(self.constants["gap"], x), v
+
+
 def force(body, random):
     out, k = np.zeros(ROWS), 0
     while k < ROWS:
@@ -140,11 +173,11 @@ def integrate(body, inputs):
 def main():
     options = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     options.add_argument("--sidc", default="target/release/sidc")
-    options.add_argument("--family", choices=("friction", "threshold"), default="friction")
+    options.add_argument("--family", choices=("friction", "threshold", "play"), default="friction")
     options.add_argument("--systems", type=int, default=40)
     options.add_argument("--levels", default="0,0.001,0.01,0.05")
     options = options.parse_args()
-    family = {"friction": Friction, "threshold": Threshold}[options.family]
+    family = {"friction": Friction, "threshold": Threshold, "play": Play}[options.family]
     print("| noise | exact | of these, numbers in their 95 % intervals | of these, passed | others that pass | median s |")
     print("|---|---|---|---|---|---|")
     for level in map(float, options.levels.split(",")):

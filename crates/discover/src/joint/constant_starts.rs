@@ -201,7 +201,8 @@ struct Guess {
     value: f64,
 }
 
-/// The guesses at all points, the likeliest first.
+/// The guesses at all points, the likeliest first. Those that are unlikely to come near the guesses at the first point are not fitted to the
+/// end.
 fn guessed(
     of: (&Model, &[Option<Library>]),
     (dataset, problem): (&Dataset, &Problem),
@@ -209,7 +210,7 @@ fn guessed(
     options: &Options,
     watcher: &mut EquationObserver,
 ) -> Vec<Guess> {
-    let at_point = |values: Vec<f64>, watcher: &mut EquationObserver| -> Vec<Guess> {
+    let at_point = |values: Vec<f64>, beat: f64, watcher: &mut EquationObserver| {
         if !watcher.go_on() {
             return Vec::new();
         }
@@ -218,15 +219,30 @@ fn guessed(
         let guesses = weak_guesses(of, &acting, &at, options, watcher).into_iter();
         let guess = |terms: StartingSupport| {
             Some(Guess {
-                value: value_from(&at, &terms, watcher)?,
+                value: value_from(&at, &terms, beat, watcher)?,
                 values: values.clone(),
                 terms,
             })
         };
         guesses.filter_map(guess).collect()
     };
-    let guesses = at_each(points, problem, options, watcher, at_point);
-    let mut guesses: Vec<Guess> = guesses.into_iter().flatten().collect();
+    let mut points = points.into_iter();
+    let mut guesses: Vec<Guess> = match points.next() {
+        Some(first) => at_point(first, f64::INFINITY, watcher),
+        None => Vec::new(),
+    };
+    let beat = guesses
+        .iter()
+        .map(|g| g.value)
+        .fold(f64::INFINITY, f64::min);
+    let others = at_each(
+        points.collect(),
+        problem,
+        options,
+        watcher,
+        |values, watcher| at_point(values, beat, watcher),
+    );
+    guesses.extend(others.into_iter().flatten());
     guesses.sort_by(|a, b| a.value.total_cmp(&b.value));
     guesses
 }

@@ -64,22 +64,29 @@ pub fn fit_constants_from(
     beat: f64,
     observer: &mut dyn Observer,
 ) -> Option<FittedConstants> {
-    let from = fit_from(problem, start, observer)?.point;
+    let from = fit_from(problem, start, beat, observer)?.point;
     let criterion = last_criterion(problem, 1.0);
     let found = climb(problem, from, constants, (&criterion, beat), observer)?;
     Some(found.widened(1.0))
 }
 
-/// The criterion of columns, from coefficients that nothing was fitted to; the constants stay as they are.
+/// The criterion of columns, from coefficients that nothing was fitted to; the constants stay as they are. Where it is unlikely to come near
+/// `beat`, of a fit that was given up.
 pub fn value_from(
     problem: &Problem,
     start: &[(usize, f64)],
+    beat: f64,
     observer: &mut dyn Observer,
 ) -> Option<f64> {
-    fit_from(problem, start, observer).map(|found| found.value)
+    fit_from(problem, start, beat, observer).map(|found| found.value)
 }
 
-fn fit_from(problem: &Problem, start: &[(usize, f64)], observer: &mut dyn Observer) -> Option<Fit> {
+fn fit_from(
+    problem: &Problem,
+    start: &[(usize, f64)],
+    beat: f64,
+    observer: &mut dyn Observer,
+) -> Option<Fit> {
     let (support, coefficients) = start.iter().copied().unzip();
     let criterion = final_criterion(problem);
     let point = LinearizationPoint {
@@ -87,7 +94,7 @@ fn fit_from(problem: &Problem, start: &[(usize, f64)], observer: &mut dyn Observ
         coefficients,
         ..problem.initial_point(&problem.noise)
     };
-    fit(problem, point, &criterion, f64::INFINITY, observer)
+    fit(problem, point, &criterion, beat, observer)
 }
 
 /// One Gauss–Newton step.
@@ -179,7 +186,8 @@ fn climb(
     let runs = constants.iter().filter_map(|c| c.run);
     let problem = &problem.with_indicators(runs);
     let at = |constants: &[SoughtConstant]| with_constant_values(problem, constants);
-    let mut best = fit(&at(&here), from, criterion, f64::INFINITY, observer)?;
+    let mut best = fit(&at(&here), from, criterion, beat, observer)?;
+    let criterion = (criterion, beat);
     let mut step = step(&at(&here), &best, &here, criterion, observer)?;
     for left in (0..CONSTANTS.steps).rev() {
         let small = |(c, (by, e)): (&SoughtConstant, (&f64, &f64))| {
@@ -200,13 +208,7 @@ fn climb(
             let trial: Vec<SoughtConstant> = (here.iter().zip(&step.moves))
                 .map(|(c, by)| c.moved(part * by))
                 .collect();
-            let there = fit(
-                &at(&trial),
-                best.point.clone(),
-                criterion,
-                f64::INFINITY,
-                observer,
-            );
+            let there = fit(&at(&trial), best.point.clone(), criterion.0, beat, observer);
             if !observer.go_on() {
                 return None;
             }
@@ -264,14 +266,14 @@ fn step(
     problem: &Problem,
     found: &Fit,
     constants: &[SoughtConstant],
-    criterion: &PenalizedLikelihood,
+    (criterion, beat): (&PenalizedLikelihood, f64),
     observer: &mut dyn Observer,
 ) -> Option<Step> {
     let (mut extended, new, owners) = with_sensitivities(problem, found, constants)?;
     tie(&mut extended.problem, &new, &owners);
     let kept = extended.point(&found.point);
     let point = with_columns(kept.clone(), &new);
-    let fit = fit(&extended.problem, point, criterion, f64::INFINITY, observer)?;
+    let fit = fit(&extended.problem, point, criterion, beat, observer)?;
     let place = |column: usize| fit.point.support.iter().position(|j| *j == column);
     let mut out = Step {
         moves: vec![0.0; constants.len()],
