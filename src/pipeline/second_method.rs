@@ -1,5 +1,5 @@
 //! A second method where regression errs: joint estimation of all equations and their trajectory. It errs where measured rates are bad, which the joint estimate
-//! does without, where laws jump, since estimated derivatives are blurred there, and where the errors of estimated derivatives hide which terms a law has.
+//! does without, where laws jump or bend, since estimated derivatives are blurred there, and where the errors of estimated derivatives hide which terms a law has.
 //!
 //! In: a program, its measured signals, the equations of the first method. Out: the equations of the method that passes, with a record of both. A method that
 //! the user chose is the only one tried. Equations of clean records whose terms are certain and do not jump are not estimated again: regression is faster.
@@ -124,26 +124,21 @@ fn is_affordable(program: &Program, measured: &Measured, why: SecondMethodReason
     measured.samples.len().saturating_mul(columns) <= most
 }
 
-/// Whether equations that are found jump, or those that are doubted might.
+/// Whether equations that are found jump, or those that are doubted might, or bend.
 fn may_jump(program: &Program, first: &Discovery) -> bool {
     let is_state = |signal: Signal| {
         let variable = program.model.var(signal.var);
         variable.is_some_and(|v| v.kind == VarKind::State)
     };
+    let found = first.equations.iter().flat_map(|e| &e.terms);
+    let mut found = found.map(|t| &t.term);
     if first.passes() {
-        let found = first.equations.iter().flat_map(|e| &e.terms);
-        return found
-            .map(|t| &t.term)
-            .any(|t| Switches::jumps_in(t, &is_state));
+        return found.any(|t| Switches::jumps_in(t, &is_state));
     }
-    let offered = program
-        .libraries
-        .iter()
-        .flatten()
-        .flat_map(Library::factors);
-    offered
-        .into_iter()
-        .any(|t| Switches::jumps_in(t, &is_state))
+    let offered = program.libraries.iter().flatten();
+    let mut offered = offered.flat_map(Library::factors);
+    found.any(|t| Switches::switch_in(t, &is_state))
+        || offered.any(|t| Switches::jumps_in(t, &is_state))
 }
 
 /// Whether all doubts are about which terms a law has, or their coefficients: the terms found follow the readings.

@@ -146,3 +146,34 @@ fn exact_records_that_come_to_rest_are_clean() {
     assert!(run.stdout.contains("dx = -0.7*x"), "{}", run.stdout);
     assert!(run.stdout.contains("proved"), "{}", run.stdout);
 }
+
+/// A body that flies freely at a speed of 1 between two springs with eigenfrequency 8, each 0.5 from the centre: its positions, exact.
+fn between_springs() -> String {
+    let half = 1.0 + std::f64::consts::PI / 8.0;
+    let place = |t: f64| {
+        let within = t % half;
+        let place = match within < 1.0 {
+            true => within - 0.5,
+            false => 0.5 + (8.0 * (within - 1.0)).sin() / 8.0,
+        };
+        place * if (t / half) as usize % 2 == 0 { 1.0 } else { -1.0 }
+    };
+    let row = |k: usize| format!("{},{}\n", 0.02 * k as f64, place(0.02 * k as f64));
+    std::iter::once("t,x\n".into())
+        .chain((0..400).map(row))
+        .collect()
+}
+
+/// Estimated derivatives are blurred where the force bends; a trajectory that goes from event to event is not.
+#[test]
+fn exact_records_of_laws_that_bend_are_estimated_jointly() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = "state x : order 2\nddx ~ <1, x, dx, x^3, max(x - 0.5, 0) + min(x + 0.5, 0)>\n";
+    let (run, document) = identified(folder.path(), model, between_springs(), &[]);
+    assert_eq!(run.status, 0, "{}{}", run.stdout, run.stderr);
+    assert_eq!(ways(&document)["given"], "joint");
+    let terms = document["equations"][0]["terms"].as_array().unwrap();
+    assert_eq!(terms.len(), 1, "{terms:?}");
+    let stiffness = terms[0]["coefficient"].as_f64().unwrap();
+    assert!((stiffness + 64.0).abs() < 1e-5, "{stiffness}");
+}

@@ -19,6 +19,13 @@ fn has_domain(f: Func) -> bool {
     !f.domain.is_empty()
 }
 
+/// Whether an expression has one of these signals.
+fn depends(e: &Expr, signals: &dyn Fn(Signal) -> bool) -> bool {
+    let mut found = false;
+    e.for_each_signal(&mut |s| found |= signals(s));
+    found
+}
+
 /// Whether a term has such a call, within its arguments and sums too.
 fn has_call(term: &Term, wanted: &dyn Fn(Func, &[Expr]) -> bool) -> bool {
     let within = |e: &Expr| e.terms().any(|(_, t)| has_call(t, wanted));
@@ -42,13 +49,15 @@ impl Switches {
 
     /// Whether a term jumps where one of these signals passes a value.
     pub fn jumps_in(term: &Term, signals: &dyn Fn(Signal) -> bool) -> bool {
-        let depends = |e: &Expr| {
-            let mut found = false;
-            e.for_each_signal(&mut |s| found |= signals(s));
-            found
-        };
         has_call(term, &|f, args| {
-            f.smoothness == Smoothness::Jumps && args.iter().any(depends)
+            f.smoothness == Smoothness::Jumps && args.iter().any(|a| depends(a, signals))
+        })
+    }
+
+    /// Whether a term jumps or bends where one of these signals passes a value.
+    pub fn switch_in(term: &Term, signals: &dyn Fn(Signal) -> bool) -> bool {
+        has_call(term, &|f, args| {
+            f.switches() && args.iter().any(|a| depends(a, signals))
         })
     }
 

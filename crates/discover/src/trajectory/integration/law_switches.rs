@@ -1,7 +1,7 @@
-//! The switches of laws that jump: their guards, on which side each is, and how fast the guards move.
+//! The switches of laws that jump or bend: their guards, on which side each is, and how fast the guards move.
 //!
-//! In: laws as written. Out: laws that are smooth while every switch keeps its side, guards and their gradients at points. Laws that
-//! bend but never jump stay as they are: integration only loses some digits there.
+//! In: laws as written. Out: laws that are smooth while every switch keeps its side, guards and their gradients at points. A step across a
+//! bend errs by its square, which is more than exact readings and noise of 0.1 % allow.
 
 use crate::trajectory::model::Impulse;
 use crate::trajectory::thresholds::SHOOTING;
@@ -35,22 +35,22 @@ pub(super) struct Gradients {
 }
 
 impl LawSwitches {
-    /// The laws with their switches as further signals, if any of them jumps. `signals`: states, rates, exogenous signals.
+    /// The laws with their switches as further signals, if they have any. `signals`: states, rates, exogenous signals.
     pub fn of(
         values: &[Expr],
         (signals, impulses): (&[Signal], &[Impulse]),
         (states, laws): (usize, usize),
     ) -> Option<(Vec<Expr>, LawSwitches)> {
-        // Most laws do not jump, and laws are compiled for every fit.
-        let jumps = |e: &Expr| e.terms().any(|(_, t)| Switches::jumps_in(t, &|_| true));
-        if !values.iter().any(jumps) {
+        // Most laws have none, and laws are compiled for every fit.
+        let switch = |e: &Expr| e.terms().any(|(_, t)| Switches::are_in(t));
+        if !values.iter().any(switch) {
             return None;
         }
         let mut switches = Switches::default();
         let rates = &signals[states..states + laws];
         let smooth = values.iter().map(|e| switches.rewritten(e, rates));
         let smooth: Vec<Expr> = smooth.collect();
-        if !switches.jumps.contains(&true) {
+        if switches.is_empty() {
             return None;
         }
         let exogenous = &signals[states + laws..];
