@@ -156,7 +156,10 @@ fn between_springs() -> String {
             true => within - 0.5,
             false => 0.5 + (8.0 * (within - 1.0)).sin() / 8.0,
         };
-        place * if (t / half) as usize % 2 == 0 { 1.0 } else { -1.0 }
+        match (t / half) as usize % 2 {
+            0 => place,
+            _ => -place,
+        }
     };
     let row = |k: usize| format!("{},{}\n", 0.02 * k as f64, place(0.02 * k as f64));
     std::iter::once("t,x\n".into())
