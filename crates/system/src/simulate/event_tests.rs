@@ -338,6 +338,36 @@ fn a_relay_slides_and_a_dead_zone_bends() {
     );
 }
 
+/// An event may be within rounding of a row, from either side.
+#[test]
+fn events_fall_on_rows() {
+    let beyond = call("max", [position(0) - number(0.5), number(0.0)]);
+    let system = bodies(&[beyond.scale(-64.0)]);
+    for first in 20..50 {
+        let time: Vec<f64> = (first..68).map(|k| 0.02 * f64::from(k)).collect();
+        for off in -8..=8 {
+            let start = [time[0] - 0.5 + f64::from(off) * f64::EPSILON / 8.0, 1.0];
+            let (rows, _) = run(
+                &system,
+                &time,
+                &vec![0.0; time.len()],
+                &start,
+                How::Explicit,
+            );
+            for (t, row) in time.iter().zip(&rows) {
+                let past = t - 1.0;
+                let known = 0.5
+                    + if past < 0.0 {
+                        past
+                    } else {
+                        (8.0 * past).sin() / 8.0
+                    };
+                assert!((row[0] - known).abs() < 1e-10, "{first} {off} at {t}");
+            }
+        }
+    }
+}
+
 /// Three bodies in a chain, each on dry ground, their accelerations coupled by a mass matrix: at rest the friction forces balance the rest
 /// within their bounds, two integrators agree, and nothing moves in the end.
 #[test]

@@ -113,8 +113,11 @@ impl RungeKutta {
         }
         while t < stop {
             let smallest = EXPLICIT.smallest_step * t.abs().max(stop.abs());
-            // The last step is stretched a little rather than leaving a sliver.
+            // The last step is stretched a little rather than leaving a sliver, which an event just before the stop may leave.
             let left = stop - t;
+            if left <= smallest {
+                break;
+            }
             let last = self.h >= 0.999 * left;
             let (h, end) = match last {
                 true => (left, stop),
