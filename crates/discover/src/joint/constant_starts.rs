@@ -247,16 +247,22 @@ fn guessed(
     guesses
 }
 
-/// The criterion and the constants of each guess, refined. The first `most` are fitted to the end; the others are given up where they are
-/// unlikely to come near these.
+/// The criterion and the constants of each guess, refined. The likeliest ones at `most` points are fitted to the end; the others are given up
+/// where they are unlikely to come near these.
 fn raced(
-    mut guesses: Vec<Guess>,
+    guesses: Vec<Guess>,
     problem: &Problem,
     (all, most): (&[SearchedConstant], usize),
     options: &Options,
     watcher: &mut EquationObserver,
 ) -> Vec<Option<(f64, Vec<f64>)>> {
-    let others = guesses.split_off(most.min(guesses.len()));
+    let (mut first, mut others) = (Vec::<Guess>::new(), Vec::new());
+    for guess in guesses {
+        match first.len() < most && first.iter().all(|f| f.values != guess.values) {
+            true => first.push(guess),
+            false => others.push(guess),
+        }
+    }
     let mut fit_all = |guesses: Vec<Guess>, beat: f64| {
         at_each(guesses, problem, options, watcher, |guess, watcher| {
             if !watcher.go_on() {
@@ -267,7 +273,7 @@ fn raced(
             refined(fit_constants_from(&at, &guess.terms, sought, beat, watcher))
         })
     };
-    let mut fitted = fit_all(guesses, f64::INFINITY);
+    let mut fitted = fit_all(first, f64::INFINITY);
     let value = |f: &Option<(f64, Vec<f64>)>| f.as_ref().map_or(f64::INFINITY, |f| f.0);
     let beat = fitted.iter().map(value).fold(f64::NEG_INFINITY, f64::max);
     fitted.extend(fit_all(others, beat));
