@@ -208,7 +208,7 @@ pub enum SecondMethodReason {
     /// The measured rates may be bad; the second does without them.
     #[default]
     MeasuredRates,
-    /// A law jumps or may jump, and the first blurs jumps.
+    /// A law jumps or may jump, or is doubted and bends; the first blurs both.
     Jumps,
     /// The rates were estimated from clean readings, and their errors may hide which terms the law has; the second needs no rates.
     EstimatedRates,
