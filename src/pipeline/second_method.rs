@@ -97,7 +97,7 @@ impl<'a> Second<'a> {
                 why: SecondMethodReason::MeasuredRates,
             });
         }
-        let why = match may_jump(program, first) {
+        let why = match may_switch(program, first) {
             true => SecondMethodReason::Jumps,
             false if program.model.discrete => return None,
             false if terms_are_open(first) || may_imitate(first) => {
@@ -125,7 +125,7 @@ fn is_affordable(program: &Program, measured: &Measured, why: SecondMethodReason
 }
 
 /// Whether equations that are found jump, or those that are doubted might, or bend.
-fn may_jump(program: &Program, first: &Discovery) -> bool {
+fn may_switch(program: &Program, first: &Discovery) -> bool {
     let is_state = |signal: Signal| {
         let variable = program.model.var(signal.var);
         variable.is_some_and(|v| v.kind == VarKind::State)

@@ -109,9 +109,6 @@ fn scanned(
         return Vec::new();
     }
     let judged = |values: Vec<f64>, watcher: &mut EquationObserver| {
-        if !watcher.go_on() {
-            return (f64::INFINITY, values);
-        }
         let constants = Constants::new(all, &values, &[]);
         let (at, acting) = (constants.problem(problem), constants.dataset(dataset));
         let value = value_of_weak_guess(of, &acting, &at, options, watcher);
@@ -140,7 +137,8 @@ fn best_distinct(mut ranked: Vec<(f64, Vec<f64>)>, most: usize) -> Vec<Vec<f64>>
     best
 }
 
-/// What `work` makes of each point, at as many at once as fit into memory.
+/// What `work` makes of each point, at as many at once as fit into memory. Where the observer ends the work, the points that are left are
+/// skipped.
 fn at_each<A: Send, B: Send>(
     points: Vec<A>,
     problem: &Problem,
@@ -152,8 +150,10 @@ fn at_each<A: Send, B: Send>(
     let size = entries * u128::from(WEAK_FORM.bytes_per_entry);
     let at_once = at_once(vec![size; points.len()], options.memory);
     let points = points.into_iter().map(|point| (0, point)).collect();
+    let work =
+        |point, watcher: &mut EquationObserver| watcher.go_on().then(|| work(point, watcher));
     let done = map_equations(at_once, points, watcher, work).into_iter();
-    done.map(|(_, done)| done).collect()
+    done.filter_map(|(_, done)| done).collect()
 }
 
 /// The likeliest of many points, their constants refined. One point; a few for a large library, where the best guess may lose the search; the
@@ -211,9 +211,6 @@ fn guessed(
     watcher: &mut EquationObserver,
 ) -> Vec<Guess> {
     let at_point = |values: Vec<f64>, beat: f64, watcher: &mut EquationObserver| {
-        if !watcher.go_on() {
-            return Vec::new();
-        }
         let constants = Constants::new(all, &values, &[]);
         let (at, acting) = (constants.problem(problem), constants.dataset(dataset));
         let guesses = weak_guesses(of, &acting, &at, options, watcher).into_iter();
@@ -224,13 +221,11 @@ fn guessed(
                 terms,
             })
         };
-        guesses.filter_map(guess).collect()
+        guesses.filter_map(guess).collect::<Vec<Guess>>()
     };
     let mut points = points.into_iter();
-    let mut guesses: Vec<Guess> = match points.next() {
-        Some(first) => at_point(first, f64::INFINITY, watcher),
-        None => Vec::new(),
-    };
+    let first = points.next();
+    let mut guesses = first.map_or(Vec::new(), |v| at_point(v, f64::INFINITY, watcher));
     let beat = guesses
         .iter()
         .map(|g| g.value)
@@ -265,9 +260,6 @@ fn raced(
     }
     let mut fit_all = |guesses: Vec<Guess>, beat: f64| {
         at_each(guesses, problem, options, watcher, |guess, watcher| {
-            if !watcher.go_on() {
-                return None;
-            }
             let constants = Constants::new(all, &guess.values, &[]);
             let (at, sought) = (constants.problem(problem), constants.sought());
             refined(fit_constants_from(&at, &guess.terms, sought, beat, watcher))

@@ -184,7 +184,9 @@ fn laws_that_bend() {
 #[test]
 fn laws_too_fast_to_follow_end() {
     let laws = "system fast\nstate x : order 2\nddx ~ <max(x - 0.3, 0), sin(1e25*x)>\n";
-    let end = Interval::new(laws, &[-100.0, 1.0], &[]).flow(&[-100.0, 1.0], &[0.29, 0.5]).end;
+    let end = Interval::new(laws, &[-100.0, 1.0], &[])
+        .flow(&[-100.0, 1.0], &[0.29, 0.5])
+        .end;
     let known = 0.3 + 0.05 * 0.8_f64.sin();
     assert!((end[0] - known).abs() < 0.5 * 0.1 * 0.1, "{end:?}");
 }
