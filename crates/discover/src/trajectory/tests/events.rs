@@ -180,13 +180,12 @@ fn laws_that_bend() {
     assert!((end[1] - 0.5 * cos).abs() < 1e-10, "{end:?}");
 }
 
-/// A law that no step is short enough for still takes the most steps that an interval may have, and no more.
+/// A law that no step is short enough for ends all the same, with what one in any direction can do in 0.1 s.
 #[test]
 fn laws_too_fast_to_follow_end() {
     let laws = "system fast\nstate x : order 2\nddx ~ <max(x - 0.3, 0), sin(1e25*x)>\n";
-    let end = Interval::new(laws, &[-100.0, 1.0], &[])
-        .flow(&[-100.0, 1.0], &[0.29, 0.5])
-        .end;
+    let a = [1.0, -100.0]; // sin sorts before max
+    let end = Interval::new(laws, &a, &[]).flow(&a, &[0.29, 0.5]).end;
     let known = 0.3 + 0.05 * 0.8_f64.sin();
     assert!((end[0] - known).abs() < 0.5 * 0.1 * 0.1, "{end:?}");
 }
