@@ -51,24 +51,6 @@ pub(super) struct Passage<'a> {
 }
 
 impl ShootingIntegrator<'_> {
-    /// Notes the intervals of a step in whose middle or at whose end a guard is not on the side on which it was at their start.
-    pub(super) fn note_events(&self, group: &StepGroup, work: &mut Workspace) {
-        let Some(switches) = &self.laws.switches else {
-            return;
-        };
-        let (count, mut guards) = (group.count(), Vec::new());
-        for points in &work.points[1..] {
-            switches.guards(points, count, &mut guards, &mut work.tape);
-            let sides = &points[switches.first * count..];
-            for (b, slot) in group.slots.iter().enumerate() {
-                let changes = |k| switches.changes(k, sides[k * count + b], guards[k * count + b]);
-                if (0..switches.len()).any(changes) && !work.eventful.contains(slot) {
-                    work.eventful.push(*slot);
-                }
-            }
-        }
-    }
-
     /// Integrates a single interval, and writes what it gives at its slot.
     ///
     /// # Errors

@@ -89,6 +89,11 @@ impl LawSwitches {
         self.switches.len()
     }
 
+    /// Whether a law jumps there and does not only bend.
+    pub fn jumps(&self, switch: usize) -> bool {
+        self.switches.jumps[switch]
+    }
+
     pub fn signals(&self) -> Vec<Signal> {
         self.switches.signals()
     }

@@ -5,6 +5,7 @@
 
 mod batched_inverse;
 mod compiled_laws;
+mod event_detection;
 mod events;
 mod law_switches;
 mod parameter_sensitivity;
