@@ -14,6 +14,7 @@ mod sliding;
 mod sliding_flow;
 mod sliding_intervals;
 mod state_transition;
+mod step_choice;
 mod step_group;
 mod workspace;
 

@@ -85,16 +85,15 @@ impl ShootingIntegrator<'_> {
         out.end.resize(count * n, 0.0);
         let all = StepGroup::new(record, intervals.start, (0..count).collect(), 1);
         self.begin(&all, states, work)?;
-        let steps = self.steps(&work.local[0], &all.h)?;
-        out.steps = steps.iter().copied().max().unwrap_or(1);
-        work.eventful.clear();
+        work.steps = self.steps(&work.local[0], &all.h)?;
         let mut number = 1;
-        if out.steps == 1 {
+        if work.steps.iter().all(|s| *s == 1) {
             self.run(&all, work, out)?;
             number = 2;
         }
-        while number <= out.steps {
-            let slots: Vec<usize> = (0..count).filter(|b| steps[*b] == number).collect();
+        // An interval that turns out to want more steps comes again.
+        while number <= SHOOTING.max_steps {
+            let slots: Vec<usize> = (0..count).filter(|b| work.steps[*b] == number).collect();
             if !slots.is_empty() {
                 let group = StepGroup::new(record, intervals.start, slots, number);
                 self.begin(&group, states, work)?;
@@ -102,6 +101,7 @@ impl ShootingIntegrator<'_> {
             }
             number *= 2;
         }
+        out.steps = work.steps.iter().copied().max().unwrap_or(1);
         let eventful = std::mem::take(&mut work.eventful);
         let first = (record, intervals.start);
         for slot in self.along_guards(first, states, eventful, work, out) {
@@ -125,6 +125,7 @@ impl ShootingIntegrator<'_> {
             self.advance(group, s, work)?;
             self.linearise_step(group, s, work)?;
             self.note_events(group, work);
+            self.note_faster(group, work);
             self.accumulate(group, s > 0, work, out);
         }
         let ends = &work.points[0][..n * count];
@@ -186,34 +187,6 @@ impl ShootingIntegrator<'_> {
                 *out = group.record.exogenous_at(x, *k, part);
             }
         }
-    }
-
-    /// Number of steps of each interval of length `h`, a power of two, by the norm of the Jacobian.
-    ///
-    /// # Errors
-    /// Laws of hidden states are too fast to be followed: with nothing to hold these, errors of the steps would explain any reading.
-    pub(super) fn steps(
-        &self,
-        local: &LocalLinearization,
-        h: &[f64],
-    ) -> Result<Vec<usize>, Diverged> {
-        let (n, count) = (self.laws.states, h.len());
-        let largest = (self.accuracy / SHOOTING.step_error).powf(0.2);
-        let steps = |(b, h): (usize, &f64)| {
-            let mut norm = 0.0f64;
-            for (l, i) in self.laws.law_states.iter().enumerate() {
-                let row: f64 = (0..n)
-                    .map(|j| local.jacobian[(l * n + j) * count + b].abs() * self.spread[j])
-                    .sum();
-                norm = norm.max(row / self.spread[*i]);
-            }
-            let (wanted, most) = (h * norm / largest, SHOOTING.max_steps as f64);
-            if self.laws.has_hidden && wanted > most {
-                return Err(Diverged);
-            }
-            Ok((wanted.clamp(1.0, most).ceil() as usize).next_power_of_two())
-        };
-        h.iter().enumerate().map(steps).collect()
     }
 
     /// One Runge–Kutta step from a point where the rates are known.

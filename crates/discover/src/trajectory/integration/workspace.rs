@@ -29,6 +29,8 @@ pub(crate) struct Workspace {
     pub(super) moved: Vec<f64>,
     /// Slots of intervals in which a switch changes its side.
     pub(super) eventful: Vec<usize>,
+    /// Steps that each slot wants.
+    pub(super) steps: Vec<usize>,
 }
 
 impl Workspace {
