@@ -260,8 +260,12 @@ impl Report<'_> {
             let rival = part(&other.support);
             // Rivals come best first, so the first that shows a support of this law is its best.
             let new = rival != own && seen.iter().all(|(s, _)| *s != rival);
-            // Terms that move a constant are another law, even if they have the same values as those of the answer.
-            let differs = || other.moves_constants || !same_laws(&terms(&own), &terms(&rival));
+            // More terms that move a constant are another law, even if those of the answer are among them.
+            let more_terms = rival.len() > own.len();
+            let differs = || {
+                (other.moves_constants && more_terms)
+                    || !same_laws(&terms(&own), &terms(&rival), self.model)
+            };
             if near && new && differs() {
                 seen.push((rival, more));
             }

@@ -105,7 +105,10 @@ impl Task<'_> {
     fn other_laws(&self, answer: &Estimate) -> Vec<Vec<usize>> {
         let terms = |s: &[usize]| -> Vec<Term> { s.iter().map(|j| self.term(*j)).collect() };
         let found = terms(&answer.support);
-        let ties = answer.ties.iter().filter(|s| !same_laws(&found, &terms(s)));
+        let ties = answer
+            .ties
+            .iter()
+            .filter(|s| !same_laws(&found, &terms(s), self.model));
         ties.cloned().collect()
     }
 

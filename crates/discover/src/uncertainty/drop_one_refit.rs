@@ -34,7 +34,7 @@ pub(super) fn drop_one_refit(
         .collect();
     let named = |all: &[Term]| all.iter().map(|t| names.term(t)).collect();
     Some(DropOneRefit {
-        same: leave.is_empty() && is_identity(term, &refit_terms),
+        same: leave.is_empty() && is_identity(term, &refit_terms, names.0),
         enter: named(&enter),
         leave: named(&leave),
         cost: full.likelihood_ratio(more.max(0.0)) + price * terms,

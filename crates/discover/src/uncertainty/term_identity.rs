@@ -6,10 +6,10 @@ use nalgebra::{DMatrix, DVector};
 
 use super::thresholds::IDENTITY_TEST;
 use crate::SplitMix;
-use sidc_lang::term::{Signal, Term};
+use sidc_lang::term::{Signal, SignalNames, Term};
 
-/// Whether the term is a linear combination of the others at random values of all signals.
-pub(crate) fn is_identity(term: &Term, others: &[Term]) -> bool {
+/// Whether the term is a linear combination of the others at random values of all signals; unknown constants have one value throughout.
+pub(crate) fn is_identity(term: &Term, others: &[Term], names: &impl SignalNames) -> bool {
     if others.is_empty() || others.len() > IDENTITY_TEST.max_terms {
         return false;
     }
@@ -19,6 +19,9 @@ pub(crate) fn is_identity(term: &Term, others: &[Term]) -> bool {
     }
     signals.sort_unstable();
     signals.dedup();
+    let signals: Vec<(Signal, bool)> = (signals.into_iter())
+        .map(|s| (s, names.is_constant(s.var)))
+        .collect();
     let residuals = IDENTITY_TEST
         .ranges
         .iter()
@@ -29,31 +32,35 @@ pub(crate) fn is_identity(term: &Term, others: &[Term]) -> bool {
 
 /// Whether `other` can write every law of the terms `found` in other words, whatever the values of the signals: each term that it
 /// lacks is a combination of its own.
-pub(crate) fn same_laws(found: &[Term], other: &[Term]) -> bool {
+pub(crate) fn same_laws(found: &[Term], other: &[Term], names: &impl SignalNames) -> bool {
     let mut lacking = found.iter().filter(|t| !other.contains(t));
-    lacking.all(|term| is_identity(term, other))
+    lacking.all(|term| is_identity(term, other, names))
 }
 
-/// The relative residual of the term's least-squares fit by the others; `None` if a value is not finite.
+/// The relative residual of the term's least-squares fit by the others; `None` if a value is not finite. `signals`: rising, each with whether
+/// it is a constant.
 fn residual(
     term: &Term,
     others: &[Term],
-    signals: &[Signal],
+    signals: &[(Signal, bool)],
     (low, high): (f64, f64),
 ) -> Option<f64> {
     let mut random = SplitMix::new(3);
+    let mut draw = || low + (high - low) * random.unit();
+    let constants: Vec<f64> = signals.iter().map(|_| draw()).collect();
     let points: Vec<Vec<f64>> = (0..IDENTITY_TEST.points)
         .map(|_| {
-            signals
-                .iter()
-                .map(|_| low + (high - low) * random.unit())
-                .collect()
+            let of = |((_, constant), value): (&(Signal, bool), &f64)| match constant {
+                true => *value,
+                false => draw(),
+            };
+            signals.iter().zip(&constants).map(of).collect()
         })
         .collect();
     let value = |t: &Term, point: &[f64]| {
         let at = |s: Signal| {
             signals
-                .binary_search(&s)
+                .binary_search_by_key(&s, |(s, _)| *s)
                 .ok()
                 .and_then(|k| point.get(k).copied())
         };
@@ -78,8 +85,21 @@ fn residual(
 
 #[cfg(test)]
 mod tests {
-    use super::is_identity;
-    use sidc_lang::term::{Expr, Func, Signal, Term, VarId};
+    use super::{is_identity, same_laws};
+    use sidc_lang::term::{Expr, Func, Signal, SignalNames, Term, VarId};
+
+    /// x, and the constant q.
+    struct Names;
+
+    impl SignalNames for Names {
+        fn variable(&self, _: VarId) -> &str {
+            ""
+        }
+
+        fn is_constant(&self, var: VarId) -> bool {
+            var == VarId(2)
+        }
+    }
 
     fn x() -> Signal {
         Signal::new(VarId(1))
@@ -93,15 +113,34 @@ mod tests {
     #[test]
     fn identities_are_distinguished_from_approximations() {
         let (sine, cosine) = (of("sin", 2.0), of("cos", 2.0));
-        assert!(is_identity(&Term::one(), &[sine.clone(), cosine.clone()]));
-        assert!(!is_identity(&Term::signal(x()), &[of("sin", 1.0)]));
-        assert!(!is_identity(&Term::one(), &[sine]));
+        assert!(is_identity(
+            &Term::one(),
+            &[sine.clone(), cosine.clone()],
+            &Names
+        ));
+        assert!(!is_identity(&Term::signal(x()), &[of("sin", 1.0)], &Names));
+        assert!(!is_identity(&Term::one(), &[sine], &Names));
         // Defined on one side only: 2 log x = log x².
         let square = Expr::call(
             Func::named("log").unwrap(),
             vec![Expr::signal(x()).pow(2.0)],
         );
-        assert!(is_identity(&of("log", 1.0), &[square.into_term().1]));
-        assert!(!is_identity(&Term::one(), &[]));
+        assert!(is_identity(
+            &of("log", 1.0),
+            &[square.into_term().1],
+            &Names
+        ));
+        assert!(!is_identity(&Term::one(), &[], &Names));
+    }
+
+    /// x/(x + q) = 1 - q/(x + q) for every q, though not with the same q if q were a signal.
+    #[test]
+    fn a_constant_is_held() {
+        let q = Expr::signal(Signal::new(VarId(2)));
+        let inverse = (Expr::signal(x()) + q).pow(-1.0).into_term().1;
+        let fraction = Term::signal(x()).mul(&inverse);
+        let (found, other) = ([Term::one(), inverse.clone()], [Term::one(), fraction]);
+        assert!(same_laws(&found, &other, &Names));
+        assert!(!same_laws(&found, &[inverse, Term::signal(x())], &Names));
     }
 }

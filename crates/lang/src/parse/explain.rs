@@ -53,6 +53,7 @@ pub fn explain(
         .misspelt_keyword(rule)
         .or_else(|| stop.missing_colon(rule))
         .or_else(|| stop.missing_arrow(rule))
+        .or_else(|| stop.missing_in(rule))
         .or_else(|| stop.juxtaposed())
         .or_else(|| stop.missing_operator());
     Box::new(named.unwrap_or_else(|| stop.generic(rule, error)))
@@ -118,6 +119,30 @@ impl<'t> FailurePoint<'_, 't> {
             Some(line) => d.help(format!("write `{line}`")).fix(self.whole(), line),
             None => d.help(format!("the form is `{}`", example(rule))),
         })
+    }
+
+    /// `delay 0..0.2`, `unknown k 0.1..10`
+    fn missing_in(&self, rule: Rule) -> Option<Diagnostic> {
+        let has = |text: &str| self.tokens.iter().any(|t| t.is(text));
+        if !has("..") || has("in") {
+            return None;
+        }
+        let from = match rule {
+            Rule::declare => {
+                let attribute =
+                    |i: &usize| self.get(*i).is_some_and(|t| ATTRIBUTES.contains(&t.text));
+                (0..self.at).rev().find(attribute)? + 1
+            }
+            Rule::unknown => self.at,
+            _ => return None,
+        };
+        let (range, last) = (self.get(from)?, self.tokens.len());
+        let (before, after) = (self.phrase(0, from), self.phrase(from, last));
+        Some(
+            syntax_errors::unexpected(range.span(self.file), range.text, "`in` before the range")
+                .help(format!("write `{before} in {after}`"))
+                .fix(range.span(self.file).before(), "in "),
+        )
     }
 
     /// `sin 2*theta`, `sin "Angle"`, `exp sin x`

@@ -51,7 +51,7 @@ pub fn equivalent_supports(design: &ScaledDesign, gram: &GramMatrix) -> Vec<Equi
                     continue;
                 }
                 let value = design.noise.criterion(design.residual_square(&next), rows);
-                if value < bound && !same_laws(&found_terms, &terms(&next)) {
+                if value < bound && !same_laws(&found_terms, &terms(&next), design.model) {
                     tied.push((value, next, entering));
                 }
             }

@@ -73,8 +73,20 @@ fn random_samples(
             origin: Origin::Measured { noise: None },
         }
     });
+    // An unknown constant keeps the value found for it.
+    let constants = design.model.unknowns.iter().map(|u| {
+        let signal = Signal::new(u.var);
+        let (value, _) = range(&Expr::signal(signal), &design.samples);
+        Column {
+            signal,
+            values: vec![value; points],
+            origin: Origin::Measured { noise: None },
+        }
+    });
+    let mut columns: Vec<Column> = columns.chain(constants).collect();
+    columns.sort_by_key(|c| c.signal);
     Samples {
-        columns: columns.collect(),
+        columns,
         trajectory: vec![0; points],
         time: (0..points).map(|i| i as f64).collect(),
     }
