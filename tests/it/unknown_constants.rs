@@ -141,6 +141,34 @@ fn noisy_readings_give_the_constant_within_its_error() {
     }
 }
 
+/// A stirred tank whose reaction ignites: within a sample it becomes a hundred times as fast, which its start does not show.
+#[test]
+fn a_reaction_that_ignites_gives_its_activation_temperature() {
+    let cooling = |t: f64| 302.0 + 9.0 * (0.7 * t).sin() + 4.0 * (1.7 * t).sin();
+    let law = |t: f64, x: &[f64; 2]| {
+        let reaction = 7.2e10 * (-8750.0 / x[1]).exp() * x[0];
+        let cooled = 2.09 * (x[1] - cooling(t));
+        [
+            1.0 - x[0] - reaction,
+            350.0 - x[1] + 209.0 * reaction - cooled,
+        ]
+    };
+    let mut random = Random::new(1);
+    let csv = table("c,T,Tc", 800, [0.9, 310.0], &law, |t, x| {
+        let (c, hot) = (x[0] + 0.003 * random.normal(), x[1] + 0.2 * random.normal());
+        vec![c, hot, cooling(t)]
+    });
+    let model = "state c, T\ninput Tc : linear\nunknown E in 2000..20000\n\
+        dc ~ <1, c, T, c*exp(E*(1/340 - 1/T))>\ndT ~ <1, c, T, Tc, c*exp(E*(1/340 - 1/T))>\n";
+    let (run, found) = identify(model, &csv, &[]);
+    assert!(run.stdout.contains("law: passes"), "{}", run.stdout);
+    let count = |k: usize| found["equations"][k]["terms"].as_array().unwrap().len();
+    assert_eq!((count(0), count(1)), (3, 4), "{}", run.stdout);
+    let error = unknown(&found, "E")["standard_error"].as_f64().unwrap();
+    let off = value(&found, "E") - 8750.0;
+    assert!(error < 100.0 && off.abs() < 3.5 * error, "{}", run.stdout);
+}
+
 #[test]
 fn an_exponent_may_be_unknown() {
     let law = |t: f64, x: &[f64; 1]| {
