@@ -66,7 +66,9 @@ fn extrapolate<const N: usize>(
         if k > 2 {
             let size = next[k].iter().fold(0.0_f64, |s, v| s.max(v.abs()));
             let error = (0..N).fold(0.0_f64, |e, i| e.max((next[k][i] - next[k - 1][i]).abs()));
-            if error <= TOLERANCE * size {
+            // A step that leaves the numbers is halved too.
+            let finite = next[k].iter().all(|v| v.is_finite());
+            if finite && error <= TOLERANCE * size {
                 return (next[k], true);
             }
         }
