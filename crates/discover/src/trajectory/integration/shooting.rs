@@ -86,6 +86,7 @@ impl ShootingIntegrator<'_> {
         let all = StepGroup::new(record, intervals.start, (0..count).collect(), 1);
         self.begin(&all, states, work)?;
         work.steps = self.steps(&work.local[0], &all.h)?;
+        work.eventful.clear();
         let mut number = 1;
         if work.steps.iter().all(|s| *s == 1) {
             self.run(&all, work, out)?;
