@@ -41,7 +41,7 @@ family! {
         /// Slack of the laws of hidden states.
         hidden_slack: f64 = 1e-6, unit "slack of the best sensor", source "a coefficient of a hundred thousand then still makes less than the noise of a slip";
         /// Integration error allowed over an interval.
-        accuracy: f64 = 0.01, unit "noise of the sensor", source "set by hand";
+        accuracy: f64 = 1e-4, unit "noise of the sensor", source "the errors of 10⁴ readings then change the criterion by 0.02, `criterion_step`: 2·1e-4·√10⁴";
         /// Finest integration error that is requested.
         min_accuracy: f64 = 1e-11, unit "spread of the state", source "set by hand";
         /// Most Runge-Kutta steps of an interval.
