@@ -271,7 +271,7 @@ fn what_is_sought_is_not_measured() {
 
 #[test]
 fn a_constant_is_no_signal_that_an_experiment_could_move() {
-    // x^2/(M + x) = x - M x/(M + x): one of the three terms is redundant for any data, so those of another law are no tie.
+    // x^2/(M + x) = x - M x/(M + x): one of the three terms is redundant for any data, so other two of them write the same law: no tie.
     let data = fs::read_to_string(root().join("models/data/allee.csv")).unwrap();
     let model = "unknown M in 0.01 .. 100\nstate x\ndata {\n  run = \"run\"\n}\n\
                  dx ~ poly(x; 3) + <x/(M + x), x^2/(M + x)>\n";
@@ -280,6 +280,7 @@ fn a_constant_is_no_signal_that_an_experiment_could_move() {
     let seen = &found["equations"][0]["evidence"]["identifiability"]["relations"];
     let seen = seen.as_array().unwrap();
     assert!(seen.iter().any(|r| r["cause"] == "identity"), "{seen:?}");
+    assert!(!found.to_string().contains("step M"), "{found}");
 }
 
 #[test]

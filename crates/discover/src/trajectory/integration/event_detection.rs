@@ -30,10 +30,8 @@ impl ShootingIntegrator<'_> {
                     continue;
                 }
                 let jumps = changed.any(|k| switches.jumps(k) || sides[k * count + b] == 0.0);
-                let bends = &mut || {
-                    bends.get_or_insert_with(|| self.bends(group, points, &mut work.scratch))[b]
-                };
-                if jumps || bends() {
+                let scratch = &mut work.scratch;
+                if jumps || bends.get_or_insert_with(|| self.bends(group, points, scratch))[b] {
                     work.eventful.push(*slot);
                 }
             }
@@ -47,11 +45,8 @@ impl ShootingIntegrator<'_> {
         if let Some(switches) = &self.laws.switches {
             switches.set_sides(&mut bent, count);
         }
-        if (self
-            .laws
-            .rates(self.coefficients, &mut bent, count, scratch))
-        .is_err()
-        {
+        let rates = (self.laws).rates(self.coefficients, &mut bent, count, scratch);
+        if rates.is_err() {
             return vec![true; count];
         }
         let matters = |b: usize| {

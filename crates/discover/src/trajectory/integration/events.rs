@@ -163,7 +163,7 @@ impl<'a> Passage<'a> {
         self.group.set_within(from, 1.0);
         let steps = self.integrator.steps(&work.local[0], &self.group.h)?[0];
         // Parts of what is left would never reach the end where the laws are too fast for the most steps of an interval. Four times as
-        // many resolve what a body does near rest (Stribeck friction in the tests); with no more than those the tests fail.
+        // many resolve Stribeck friction near rest; with no more than in other intervals the test of it fails.
         let left = (1.0 - from) / steps as f64;
         let least = 1.0 / (4 * SHOOTING.max_steps) as f64;
         let to = match steps {

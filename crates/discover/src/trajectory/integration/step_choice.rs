@@ -32,6 +32,9 @@ impl ShootingIntegrator<'_> {
     /// Notes how many steps each interval wants by the mean of the Jacobian's norm along a step, where it grows from its start on: in a
     /// reaction that ignites, say.
     pub(super) fn note_faster(&self, group: &StepGroup, work: &mut Workspace) {
+        if group.steps >= SHOOTING.max_steps {
+            return;
+        }
         let [start, middle, end] = (work.local.each_ref()).map(|l| self.norms(l, group.count()));
         for (b, slot) in group.slots.iter().enumerate() {
             let mean = (start[b] + 4.0 * middle[b] + end[b]) / 6.0;
