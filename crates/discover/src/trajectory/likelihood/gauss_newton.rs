@@ -93,7 +93,9 @@ pub(super) fn undisturbed_fit(
             .map(|(a, b)| (a / b).ln().abs());
         let moved = moved.fold(0.0, f64::max);
         point.sigma = sigma;
-        let still = farthest < GAUSS_NEWTON.state_step && moved < GAUSS_NEWTON.log_noise_step;
+        let still = farthest < GAUSS_NEWTON.state_step
+            && moved < GAUSS_NEWTON.log_noise_step
+            && are_still(&solved.coefficients, &solved.variances);
         let level = match halving.is_halving() {
             true => halving.gain_is_negligible(new),
             false => (new - value).abs() < GAUSS_NEWTON.criterion_step,
@@ -142,6 +144,13 @@ fn move_states(problem: &Problem, point: &mut LinearizationPoint, moves: &[Vec<f
         }
     }
     farthest
+}
+
+/// Whether these steps of the coefficients change the criterion by too little to matter: a step of t standard errors changes it by t². A
+/// start may have every measured state in its place and the coefficients far from theirs.
+fn are_still(steps: &[f64], variances: &[f64]) -> bool {
+    let mut steps = steps.iter().zip(variances);
+    steps.all(|(step, variance)| step.powi(2) <= GAUSS_NEWTON.criterion_step * variance)
 }
 
 /// The fit at a point with the coefficients that it has: only the states follow the laws there.
