@@ -115,7 +115,7 @@ pub fn joint(
     let constraints = coefficient_constraints(model, libraries, &system);
     let problem = whole(system).map_err(not)?.under(constraints);
     let problem = problem.with_declared_memory(&|s| model.noise_time_constant(s));
-    let problem = with_declared_runs(model, problem);
+    let problem = with_declared_runs(model, problem).with_defined_start(JOINT.outside_domain);
     if let Some(term) = problem.first_undefined_column() {
         let term = Language(model).term(term);
         return Err(not(format!("{term} has no finite value")));

@@ -11,6 +11,8 @@ family! {
         clean_data: f64 = 1e-6, unit "noise over spread", source "set by hand";
         /// Differences below which readings are clean without being smoothed to see it.
         vanishing_differences: f64 = 1e-9, unit "of the range", source "a thousandth of `clean_data`: what smoothing leaves beyond that is motion";
+        /// How far outside the domain of a term the start may lie and be moved inside.
+        outside_domain: f64 = 4.0, unit "noise of the sensor", source "noise takes a reading of the edge farther out once in 30,000";
         /// Loss without a term, at most, that is reported.
         weakest_reported: f64 = 10.0, unit "prices of a term", source "set by hand";
         /// Difference below which a support with more terms is a tie: simplicity decides.

@@ -337,8 +337,13 @@ impl RecordSimulation<'_> {
         let sized = starts.iter().zip(&self.sizes).enumerate();
         let free = sized.filter(|(_, (s, _))| estimated(s));
         let free: Vec<(usize, f64)> = free.map(|(i, (_, size))| (i, *size)).collect();
-        let Some(found) = fit_initial_state(&readings, &values(&starts), &free, &mut trial) else {
-            return LegStart::as_read(starts);
+        // A smooth curve may start where the laws have no value, such as a growth below zero.
+        let from = [values(&starts), values(&raw)];
+        let fitted = |from| fit_initial_state(&readings, from, &free, &mut trial);
+        let Some(found) = from.iter().map(Vec::as_slice).find_map(fitted) else {
+            let smooth = rms_residual(&readings, &values(&starts), &mut trial);
+            let only_read = smooth.is_none() && left.is_some();
+            return LegStart::as_read(if only_read { raw } else { starts });
         };
         for (i, _) in free {
             let (Some(s), Some(value), Some(error)) =

@@ -14,10 +14,13 @@ use sidc_lang::term::Term;
 const ROWS_AT_ONCE: usize = 1024;
 
 /// Values along a part of the smoothed trajectory of one record, row by row.
-struct SmoothedColumns {
-    rows: usize,
+pub(super) struct SmoothedColumns {
+    pub record: usize,
+    /// Its first sample.
+    pub first: usize,
+    pub rows: usize,
     /// Of all columns.
-    values: Vec<f64>,
+    pub values: Vec<f64>,
     /// Of all signals.
     points: Vec<f64>,
 }
@@ -84,19 +87,21 @@ impl Problem {
     }
 
     /// All columns along the smoothed trajectories, part by part.
-    fn along_smoothed(&self) -> impl Iterator<Item = SmoothedColumns> {
-        let records = self.records.iter().zip(&self.smoothed);
-        let parts = records.flat_map(|(record, curve)| {
+    pub(super) fn along_smoothed(&self) -> impl Iterator<Item = SmoothedColumns> {
+        let records = self.records.iter().zip(&self.smoothed).enumerate();
+        let parts = records.flat_map(|(r, (record, curve))| {
             let starts = (0..record.len()).step_by(ROWS_AT_ONCE);
             let part = |from: usize| from..(from + ROWS_AT_ONCE).min(record.len());
-            starts.map(move |from| (record, curve, part(from)))
+            starts.map(move |from| (r, record, curve, part(from)))
         });
-        parts.map(|(record, curve, samples)| {
-            let rows = samples.len();
+        parts.map(|(r, record, curve, samples)| {
+            let (first, rows) = (samples.start, samples.len());
             let points = self.points(record, samples, (&curve.states, &curve.rates));
             let mut values = vec![0.0; self.all.outputs() * rows];
             self.all.eval(&points, rows, &mut values, &mut Vec::new());
             SmoothedColumns {
+                record: r,
+                first,
                 rows,
                 values,
                 points,

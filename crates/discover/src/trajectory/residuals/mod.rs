@@ -4,6 +4,7 @@
 //! along the fitted trajectory. Changes no fit.
 
 mod channels;
+mod defined_start;
 mod effective_sample_size;
 mod errors_ahead;
 mod fitted_signals;
