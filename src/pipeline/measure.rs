@@ -9,7 +9,7 @@ use sidc_discover::trajectory::Problem;
 use sidc_discover::unknown_constants;
 use sidc_discover::{Method, TargetCopy};
 use sidc_lang::diagnostic::Diagnostic;
-use sidc_lang::model::{Model, Var};
+use sidc_lang::model::{Equation, Model, Var, VarKind};
 use sidc_lang::source::Sources;
 use sidc_lang::term::{Language, Signal, SignalNames, VarId};
 use sidc_progress::{Activity, Observer};
@@ -121,7 +121,7 @@ pub fn measure(
     diagnostics.extend(copies.iter().map(|c| left_out(program, c)));
     if let Err(why) = &joint {
         if let Some((_, hidden)) = model.hidden_states().next() {
-            diagnostics.push(not_hidden(hidden, &why.because));
+            diagnostics.push(not_hidden(model, hidden, &why.because));
         } else if !model.per_run.is_empty() {
             diagnostics.push(not_per_run(model, &why.because));
         } else if let Some(sought) = delays::search_unavailable(model, &why.because) {
@@ -263,7 +263,7 @@ fn not_per_run(model: &Model, why: &str) -> Diagnostic {
     d.help("leave --method, --samples and --path out; in discrete time and with constraints, identify each run alone")
 }
 
-fn not_hidden(hidden: &Var, why: &str) -> Diagnostic {
+fn not_hidden(model: &Model, hidden: &Var, why: &str) -> Diagnostic {
     let message = format!(
         "{} is hidden, so the equations are estimated together with the trajectory, and here they are not: {why}",
         hidden.name
@@ -273,7 +273,11 @@ fn not_hidden(hidden: &Var, why: &str) -> Diagnostic {
         Some(span) => d.at(span, "declared here"),
         None => d,
     };
-    d.help("leave --method, --samples and --path out")
+    let kind = |e: &Equation| model.var(e.target.var).map(|v| v.kind);
+    match model.equations.iter().any(|e| kind(e) == Some(VarKind::Output)) {
+        true => d.help("declare what is read as a state, with an equation for its derivative: outputs show no hidden state"),
+        false => d.help("leave --method, --samples and --path out"),
+    }
 }
 
 fn not_robust(why: &str) -> Diagnostic {

@@ -240,6 +240,7 @@ fn beyond_library(
     // Terms with which the residuals still exceed the noise stand for something else that the model lacks.
     let explained = !laws.channels.iter().any(unexplained);
     let (many, lacking) = (change.enter.len(), all(&change.lacking));
+    let alone = names.equations.len() < 2;
     let text = match (many, change.leave.len()) {
         (many, _) if many > TRAJECTORY_DOUBTS.named_terms => {
             let first: Vec<String> = all(&change.enter)
@@ -252,6 +253,7 @@ fn beyond_library(
                 first.join(", ")
             )
         }
+        (0, _) if alone => format!("without {leave} {better}"),
         (0, _) => {
             format!("without {leave} {better}: as the other equations change, it is not needed")
         }
@@ -263,6 +265,7 @@ fn beyond_library(
         (many, _) if many > TRAJECTORY_DOUBTS.named_terms => reason.remedy(
             "look for a state or an input that the model lacks, or for other kinds of terms",
         ),
+        (0, _) if alone => reason.remedy(format!("leave {leave} out of the library")),
         (0, _) => reason.remedy("mend the other equations first"),
         (_, true) => reason.remedy("offer fewer terms: the search may have missed it"),
         (_, false) if !explained => reason.remedy(

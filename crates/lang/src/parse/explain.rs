@@ -68,6 +68,12 @@ impl<'t> FailurePoint<'_, 't> {
             return None;
         }
         let error = syntax_errors::not_a_statement(first.span(self.file), first.text);
+        if first.text == "time" {
+            return Some(syntax_errors::time_as_statement(
+                error,
+                first.span(self.file),
+            ));
+        }
         Some(
             match did_you_mean(first.text, KEYWORDS.iter().map(|(t, _)| *t)) {
                 Some(keyword) => error

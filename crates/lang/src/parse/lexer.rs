@@ -202,8 +202,11 @@ impl<'t> Lexer<'t> {
             };
             self.bad(start, error);
         } else {
-            // `2%`
-            self.at += usize::from(self.peek() == Some('%'));
+            // `2%`, `2 %`
+            let after = self.rest().trim_start_matches(' ');
+            if after.starts_with('%') {
+                self.at += self.rest().len() - after.len() + 1;
+            }
             self.push(TokenKind::Number, start);
         }
     }

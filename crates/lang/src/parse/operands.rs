@@ -52,9 +52,9 @@ pub fn number(pair: &Pair<Rule>) -> f64 {
     pair.as_str().parse().unwrap_or(f64::NAN)
 }
 
-/// `share = @{ number ~ "%" }`
+/// `share = @{ number ~ " "* ~ "%" }`
 pub fn percent(pair: &Pair<Rule>) -> f64 {
-    let number = pair.as_str().trim_end_matches('%');
+    let number = pair.as_str().trim_end_matches(['%', ' ']);
     number.parse::<f64>().unwrap_or(f64::NAN) / 100.0
 }
 

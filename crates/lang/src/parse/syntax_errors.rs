@@ -290,3 +290,11 @@ pub fn include_without_path(statement: Span, text: &str) -> Diagnostic {
             .fix(statement, lines.join("\n")),
     }
 }
+
+/// `time : unit "h"`
+pub fn time_as_statement(error: Diagnostic, at: Span) -> Diagnostic {
+    let ours = "input t";
+    error
+        .help("time is the input t: `input t : unit \"h\"`")
+        .fix(at, ours)
+}

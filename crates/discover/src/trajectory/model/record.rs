@@ -205,12 +205,14 @@ fn record(
     let mut exogenous = Vec::new();
     for (signal, noisy_exogenous) in system.exogenous.iter().zip(&system.noisy_exogenous) {
         let time = trajectory.time.get(piece.clone()).unwrap_or(&[]);
-        let smoothed = match noisy_exogenous {
-            true => smoothed(*signal, time, &cut, sensor),
-            false => None,
-        };
-        let mut values = smoothed.or_else(|| cut(*signal)).ok_or(*signal)?;
         let between = dataset.between_samples(*signal);
+        // So is the derivative of an input that is not held, if nobody measured it.
+        let is_held = dataset.between(signal.var) == Some(Between::Hold);
+        let is_smoothed = *noisy_exogenous || cut(*signal).is_none() && !is_held;
+        let smoothed = is_smoothed
+            .then(|| smoothed(*signal, time, &cut, sensor))
+            .flatten();
+        let mut values = smoothed.or_else(|| cut(*signal)).ok_or(*signal)?;
         if !fill_missing(time, &mut values, between) {
             return Err(*signal);
         }

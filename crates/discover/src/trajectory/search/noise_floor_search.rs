@@ -89,6 +89,7 @@ impl<'a> NoiseFloorSearch<'a> {
         let value = found.as_ref().map_or(f64::INFINITY, |f| f.value);
         self.tried.insert(support, value);
         let Some(found) = found else { return false };
+        self.best.retain(|f| f.support() != found.support());
         let before = self.best.first().map_or(f64::INFINITY, |f| f.value);
         let place = self.best.partition_point(|f| f.value <= found.value);
         self.best.insert(place, found);
@@ -217,6 +218,15 @@ impl<'a> NoiseFloorSearch<'a> {
                 let mut repaired = |s: Vec<usize>| self.obeying(&form, s, 0.0, observer);
                 let all = shorter.into_iter().map(|s| point(repaired(s)));
                 let all: Vec<LinearizationPoint> = all.collect();
+                // From its first start, far from where the search has come, a support may not have got to its best.
+                let gain = |p: &LinearizationPoint| {
+                    let fewer = support.len().saturating_sub(p.support.len()) as f64;
+                    self.criterion.penalty * fewer + whole - form.least_squares(&p.support).square
+                };
+                let promising = all.iter().filter(|p| gain(p) >= SEARCH.min_gain);
+                for point in promising {
+                    self.tried.remove(&point.support);
+                }
                 better = self.fit(all, observer);
             }
             if !better {

@@ -71,7 +71,11 @@ pub fn wrong_target(at: Span, name: &str, var: &Var, discrete: bool) -> Diagnost
                 true => format!("next {}", var.name),
                 false => "d".repeat(usize::from(var.order)) + &var.name,
             };
-            d.help(format!("write `{target} ~ …`")).fix(at, target)
+            d.help(format!(
+                "write `{target} ~ …`, or declare `output {}` if it follows from other states at the same instant",
+                var.name
+            ))
+            .fix(at, target)
         }
         VarKind::Input => d
             .help(format!(
