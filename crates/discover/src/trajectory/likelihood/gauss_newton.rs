@@ -27,7 +27,7 @@ pub(super) fn undisturbed_fit(
     let cost = criterion.cost(problem, &from.support);
     let rows = problem.system.constraints.on(&from.support);
     let mut point = from;
-    let mut value = f64::INFINITY;
+    let (mut before, mut value) = (f64::INFINITY, f64::INFINITY);
     let mut found = None;
     let mut halving = StepHalving::default();
     let mut left = GAUSS_NEWTON.max_steps;
@@ -101,10 +101,12 @@ pub(super) fn undisturbed_fit(
             false => (new - value).abs() < GAUSS_NEWTON.criterion_step,
         };
         let hopeless = is_hopeless(new - beat, left, (value - new).abs());
-        if new > value + GAUSS_NEWTON.uphill {
+        // An event that changes its interval at every step leads to and fro between two points.
+        let cycles = !level && (new - before).abs() < GAUSS_NEWTON.criterion_step;
+        if new > value + GAUSS_NEWTON.uphill || cycles {
             halving.start_halving();
         }
-        value = new;
+        (before, value) = (value, new);
         let converged = still || level;
         found = Some((solved.variances, residual_squares, law_misfit, converged));
         if converged || hopeless {
