@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
+use sidc_testing::integrate::{grid, integrate};
 use sidc_testing::pendulum_regression::Random;
 use sidc_testing::program::sidc_in;
 
@@ -115,4 +116,49 @@ fn an_input_that_is_declared_cubic_runs_so_from_the_start() {
     assert!(!printed.contains("along cubics"), "{printed}");
     assert_eq!(document["settings"]["reading"]["between"]["u"], "cubic");
     assert!(error_of_run(folder.path()) < 2e-3);
+}
+
+#[test]
+fn the_acceleration_of_an_input_is_taken_from_its_readings() {
+    // A pendulum whose pivot is moved: only positions are read.
+    let pivot = |t: f64| {
+        let sine = |a: f64, w: f64, p: f64| [a * (w * t + p).sin(), -a * w * w * (w * t + p).sin()];
+        let (slow, fast) = (sine(0.1, 3.0, 0.0), sine(0.06, 5.2, 1.0));
+        [slow[0] + fast[0], slow[1] + fast[1]]
+    };
+    let law = |t: f64, &[angle, rate]: &[f64; 2]| {
+        let pushed = pivot(t)[1] * angle.cos();
+        [rate, -9.81 * angle.sin() - 0.3 * rate - pushed]
+    };
+    let (mut random, mut state) = (Random::new(4), [0.5, 0.0]);
+    let mut text = String::from("t,th,p\n");
+    for t in grid(800, 0.02) {
+        let read = state[0] + 0.003 * random.normal();
+        text += &format!("{t},{read},{}\n", pivot(t)[0]);
+        state = integrate(&law, t, t + 0.02, state);
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let model = "state th : order 2\ninput p : cubic, order 2\n\
+        ddth ~ <1, th, dth, sin th, cos th, dp*cos th, ddp*cos th, ddp>\n";
+    fs::write(folder.path().join("m.sid"), model).unwrap();
+    fs::write(folder.path().join("a.csv"), text).unwrap();
+    let arguments = ["identify", "m.sid", "a.csv", "-o", "r.json"];
+    let run = sidc_in(folder.path(), &arguments);
+    let passes = run.stdout.contains("law: passes");
+    assert!(
+        passes && run.stderr.is_empty(),
+        "{}{}",
+        run.stdout,
+        run.stderr
+    );
+    let document = fs::read_to_string(folder.path().join("r.json")).unwrap();
+    let document: Value = serde_json::from_str(&document).unwrap();
+    let terms = document["equations"][0]["terms"].as_array().unwrap();
+    let wanted = [("sin(th)", -9.81), ("dth", -0.3), ("ddp*cos(th)", -1.0)];
+    assert_eq!(terms.len(), wanted.len(), "{}", run.stdout);
+    for (name, wanted) in wanted {
+        let term = terms.iter().find(|t| t["term"] == name).unwrap();
+        let found = term["coefficient"].as_f64().unwrap();
+        assert!((found / wanted - 1.0).abs() < 0.03, "{}", run.stdout);
+    }
 }

@@ -206,3 +206,30 @@ fn laws_that_explain_the_readings_have_no_disturbance() {
     assert_eq!(run.status, 0, "{}", run.stdout);
     assert_eq!(disturbance(&found), &Value::Null);
 }
+
+#[test]
+fn a_term_that_disturbances_make_needless_is_dropped() {
+    // A heated house for a week; some rows are lost, so that the heater is switched at other instants than its record says.
+    let outside = |t: f64| 8.0 + 6.0 * (0.2618 * (t - 9.0)).sin() + 2.0 * (0.07 * t).sin();
+    let sun = |t: f64| 500.0 * (0.2618 * (t - 6.0)).sin().max(0.0);
+    let mut random = Random::new(1);
+    let (mut state, mut heat) = ([18.0], 0.0);
+    let mut text = String::from("t,T,To,S,H\n");
+    for (k, t) in grid(672, 0.25).into_iter().enumerate() {
+        if k % 12 == 0 {
+            heat = random.uniform(0.0, 4.0);
+        }
+        let read = state[0] + 0.06 * random.normal();
+        if random.unit() > 0.05 {
+            text += &format!("{t},{read},{},{},{heat}\n", outside(t), sun(t));
+        }
+        let law = |t: f64, x: &[f64; 1]| [0.05 * (outside(t) - x[0]) + 0.4 * heat + 0.003 * sun(t)];
+        state = integrate(&law, t, t + 0.25, state);
+    }
+    let model =
+        "state T\ninput To : cubic\ninput S : linear\ninput H : hold\ndT ~ poly(T, To, S, H; 2)\n";
+    let (run, found) = identify(model, &text, &[]);
+    assert!(run.stdout.contains("law: passes"), "{}", run.stdout);
+    let terms = found["equations"][0]["terms"].as_array().unwrap();
+    assert_eq!(terms.len(), 4, "{}", run.stdout);
+}

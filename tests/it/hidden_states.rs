@@ -415,3 +415,22 @@ fn rates_that_can_change_places_are_told() {
     assert_eq!(run.status, 0, "{}", run.stdout);
     near(coefficient(&document, "dI", "I"), -0.1, 0.05);
 }
+
+#[test]
+fn an_unread_compartment_is_no_tie() {
+    // A drug in the blood, which a tissue takes up and returns; a dose lasts an hour, every eight.
+    let (folder, mut random) = (tempfile::tempdir().unwrap(), Random::new(3));
+    let (mut state, mut text) = ([0.0, 0.0], String::from("t,c,dose\n"));
+    for t in grid(97, 0.25) {
+        let dose = if t % 8.0 < 1.0 { 10.0 } else { 0.0 };
+        let read = state[0] + 0.09 * random.normal();
+        text += &format!("{t},{read},{dose}\n");
+        let f = |_: f64, &[c, p]: &[f64; 2]| [dose - 0.8 * c + 0.2 * p, 0.5 * c - 0.2 * p];
+        state = integrate(&f, t, t + 0.25, state);
+    }
+    let model = "state c\nstate p : hidden\ninput dose : hold\ndc ~ <1, c, p, dose>\ndp ~ <c, p>\n";
+    let (run, document) = identify(folder.path(), model, &text, &[]);
+    assert!(run.stdout.contains("law: passes"), "{}", run.stdout);
+    near(coefficient(&document, "dc", "c"), -0.8, 0.05);
+    near(coefficient(&document, "dp", "p"), -0.2, 0.15);
+}

@@ -26,6 +26,7 @@ mod docs;
 mod drafts;
 mod editor;
 mod emit;
+mod friction;
 mod gallery;
 mod given_laws;
 mod growing_noise;

@@ -477,3 +477,41 @@ fn a_term_left_out_that_another_constant_makes_up_for_is_a_tie() {
     assert!(run.stdout.contains("doubt[tie]"), "{}", run.stdout);
     assert!(run.stdout.contains("{x, u, tanh(x/k)}"), "{}", run.stdout);
 }
+
+#[test]
+fn growth_from_near_zero_under_a_logarithm_is_found() {
+    // Gompertz 1825. A smooth curve through such readings begins below zero, where the term has no value.
+    let mut random = Random::new(5);
+    let mut text = String::from("run,t,N\n");
+    for (run, start) in [0.12, 0.3, 0.55].into_iter().enumerate() {
+        let mut n = [start];
+        for t in grid(49, 1.0) {
+            let read = n[0] * (0.03 * random.normal()).exp();
+            text += &format!("{run},{t},{read}\n");
+            n = integrate(
+                &|_, n: &[f64; 1]| [0.25 * n[0] * (9.0 / n[0]).ln()],
+                t,
+                t + 1.0,
+                n,
+            );
+        }
+    }
+    for noise in ["", " : noise 3 %"] {
+        let model = format!(
+            "state N{noise}\nunknown K in 1..100\ndata {{ run = \"run\" }}\n\
+             dN ~ <1, N, N^2, N^3, N*log(K/N)>\n"
+        );
+        let (run, found) = identify(&model, &text, &[]);
+        assert!(run.stderr.is_empty(), "{}", run.stderr);
+        let parts = ["law: passes", "run: follows every signal to the end"];
+        assert!(
+            parts.iter().all(|p| run.stdout.contains(p)),
+            "{}",
+            run.stdout
+        );
+        let all = terms(&found);
+        assert_eq!(all.len(), 1, "{}", run.stdout);
+        assert!((all[0].1 - 0.25).abs() < 0.01, "{}", run.stdout);
+        assert!((value(&found, "K") - 9.0).abs() < 0.2, "{}", run.stdout);
+    }
+}
