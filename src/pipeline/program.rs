@@ -13,9 +13,10 @@ use sidc_lang::library;
 use sidc_lang::library::{GENERATORS, Library};
 use sidc_lang::model::{Equation, Model, RightSide};
 use sidc_lang::source::{FileId, Sources};
-use sidc_lang::term::{Signal, Term};
+use sidc_lang::term::{Signal, SignalNames, Term};
 use sidc_lang::{GeneratorSignature, Vocabulary};
 use sidc_solve::threads;
+use sidc_system::discovery::Discovery;
 
 use super::thresholds::BUDGET;
 
@@ -118,6 +119,45 @@ impl Program {
             }
         }
         narrowed
+    }
+
+    /// The program with a part of each library, given the library and the slots of the terms that were found.
+    pub(super) fn with_slots(
+        &self,
+        found: &Discovery,
+        slots: &dyn Fn(&Library, &[usize]) -> Vec<usize>,
+    ) -> Program {
+        let mut narrowed = self.clone();
+        let stated = self.model.equations.iter().zip(&mut narrowed.libraries);
+        for (stated, library) in stated {
+            let Some(whole) = library.as_ref() else {
+                continue;
+            };
+            let own = found.equations.iter().filter(|e| e.target == stated.target);
+            let terms = own.flat_map(|e| &e.terms);
+            let found: Vec<usize> = terms.filter_map(|t| whole.contains(&t.term)).collect();
+            *library = Some(whole.with_only(&slots(whole, &found)));
+        }
+        narrowed
+    }
+
+    /// The program in which unknown constants are sought from 1/`factor` of the values found to `factor` times these.
+    pub(super) fn near_constants(mut self, found: &Discovery, factor: f64) -> Program {
+        let names: Vec<String> = (self.model.unknowns.iter())
+            .map(|u| self.model.variable(u.var).to_owned())
+            .collect();
+        for (unknown, name) in self.model.unknowns.iter_mut().zip(names) {
+            let Some(near) = found.unknowns.iter().find(|v| v.name == name) else {
+                continue;
+            };
+            let (a, b) = (near.value / factor, near.value * factor);
+            let (from, to) = unknown.range.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+            let (from, to) = (a.min(b).max(from), a.max(b).min(to));
+            if from < to {
+                unknown.range = Some((from, to));
+            }
+        }
+        self
     }
 
     /// Whether the model requires a term in the equation of a target.

@@ -1,5 +1,6 @@
 //! A second method where regression errs: joint estimation of all equations and their trajectory. It errs where measured rates are bad, which the joint estimate
-//! does without, where laws jump or bend, since estimated derivatives are blurred there, and where the errors of estimated derivatives hide which terms a law has.
+//! does without, where laws jump or bend, since estimated derivatives are blurred there, and where the errors of estimated derivatives hide which terms a law has,
+//! as the trajectory shows.
 //!
 //! In: a program, its measured signals, the equations of the first method. Out: the equations of the method that passes, with a record of both. A method that
 //! the user chose is the only one tried. Equations of clean records whose terms are certain and do not jump are not estimated again: regression is faster.
@@ -16,7 +17,7 @@ use sidc_lang::model::VarKind;
 use sidc_lang::term::{Signal, Term};
 use sidc_progress::Observer;
 use sidc_system::discovery::{
-    Cost, Discovery, Equation, Mark, MethodComparison, ReasonCode, SecondMethodReason,
+    Cost, Discovery, Equation, Mark, MethodComparison, Reason, ReasonCode, SecondMethodReason,
 };
 use sidc_system::switching::Switches;
 
@@ -37,16 +38,12 @@ pub(super) fn passing_method(
     if !options.search.chooses_way() || !doubts_concern_data(&first) {
         return first;
     }
-    let Some(second) = Second::of(program, measured, &first) else {
-        return first;
-    };
-    let (dataset, why) = (second.dataset.as_ref(), second.why);
-    let Some(problem) = problem(program, &second, options, observer) else {
-        return first;
-    };
-    // If the readings alone contradict the constraints, the first answer is kept.
-    let Ok((mut second, _)) = jointly(program, dataset, &problem, options, observer) else {
-        return first;
+    let missed = missed_trajectory((program, measured), &first, options, observer);
+    let second = Second::of(program, measured, (&first, !missed.is_empty()));
+    let why = second.as_ref().map(|second| second.why);
+    let second = second.and_then(|second| second.estimate(options, observer));
+    let Some((mut second, why)) = second.zip(why) else {
+        return doubted(first, missed);
     };
     // Where both pass with the same terms, regression is the more accurate: its rows hold the inputs as they were read, not what they were in between.
     let confirms = why == SecondMethodReason::EstimatedRates && first.passes();
@@ -63,7 +60,11 @@ pub(super) fn passing_method(
     };
     let given = if holds { &mut second } else { &mut first };
     given.record_ways(&ways);
-    if holds { second } else { first }
+    if holds {
+        second
+    } else {
+        doubted(first, missed)
+    }
 }
 
 /// Whether two answers have the same terms, in any order.
@@ -81,18 +82,24 @@ fn have_the_same_terms(a: &Discovery, b: &Discovery) -> bool {
 
 /// What is estimated jointly.
 struct Second<'a> {
+    program: Cow<'a, Program>,
     dataset: Cow<'a, Dataset>,
     why: SecondMethodReason,
 }
 
 impl<'a> Second<'a> {
-    /// The data of a second estimate; `None` where there is no reason for one.
-    fn of(program: &Program, measured: &'a Measured, first: &Discovery) -> Option<Second<'a>> {
+    /// What a second estimate is of; `None` where there is no reason for one. `misses`: whether the first laws miss their trajectory.
+    fn of(
+        program: &'a Program,
+        measured: &'a Measured,
+        (first, misses): (&Discovery, bool),
+    ) -> Option<Second<'a>> {
         let equations = program.model.equations.iter();
         let targets: Vec<Signal> = equations.map(|e| e.target).collect();
         if targets.iter().any(|s| measured.dataset.has(*s)) {
             let is_open = !first.passes() && !library_is_insufficient(program, measured, first);
             return is_open.then(|| Second {
+                program: Cow::Borrowed(program),
                 dataset: Cow::Owned(measured.dataset.without(&targets)),
                 why: SecondMethodReason::MeasuredRates,
             });
@@ -100,28 +107,67 @@ impl<'a> Second<'a> {
         let why = match may_switch(program, first) {
             true => SecondMethodReason::Jumps,
             false if program.model.discrete => return None,
-            false if terms_are_open(first) || may_imitate(first) => {
+            false if misses || terms_are_open(first) || may_imitate(first) => {
                 SecondMethodReason::EstimatedRates
             }
             false => return None,
         };
-        is_affordable(program, measured, why).then_some(Second {
+        let columns = affordable_columns(program, measured, why);
+        let program = match why {
+            SecondMethodReason::EstimatedRates => narrowed(program, first, columns)?,
+            _ => (columns_of(program) <= columns).then_some(Cow::Borrowed(program))?,
+        };
+        Some(Second {
+            program,
             dataset: Cow::Borrowed(&measured.dataset),
             why,
         })
     }
+
+    /// `None` if the program would not estimate such data jointly, if a candidate only restates its target, or if the readings alone contradict
+    /// the constraints.
+    fn estimate(&self, options: &Options, observer: &mut dyn Observer) -> Option<Discovery> {
+        let dataset = self.dataset.as_ref();
+        let problem = problem(&self.program, (dataset, self.why), options, observer)?;
+        let found = jointly(&self.program, dataset, &problem, options, observer);
+        Some(found.ok()?.0)
+    }
 }
 
-/// Whether a joint search takes some seconds only.
-fn is_affordable(program: &Program, measured: &Measured, why: SecondMethodReason) -> bool {
-    let columns: usize = program.libraries.iter().flatten().map(Library::len).sum();
+fn columns_of(program: &Program) -> usize {
+    program.libraries.iter().flatten().map(Library::len).sum()
+}
+
+/// The columns of which a joint search takes some seconds only.
+fn affordable_columns(program: &Program, measured: &Measured, why: SecondMethodReason) -> usize {
     let most = match why {
         SecondMethodReason::EstimatedRates if !program.model.unknowns.is_empty() => {
             SECOND_METHOD.work_with_constants
         }
         _ => SECOND_METHOD.work,
     };
-    measured.samples.len().saturating_mul(columns) <= most
+    most / measured.samples.len().max(1)
+}
+
+/// The program with so many candidates in all: the terms that were found and the simplest others. Laws that follow clean readings to their
+/// rounding are right, whatever else was offered. `None` where even those found are too many.
+fn narrowed<'a>(
+    program: &'a Program,
+    found: &Discovery,
+    columns: usize,
+) -> Option<Cow<'a, Program>> {
+    if columns_of(program) <= columns {
+        return Some(Cow::Borrowed(program));
+    }
+    let each = columns / program.libraries.iter().flatten().count().max(1);
+    let narrowed = program.with_slots(found, &|library, found| {
+        let mut slots = found.to_vec();
+        let simplest = library.by_degree().into_iter();
+        let others = simplest.filter(|slot| !found.contains(slot));
+        slots.extend(others.take(each.saturating_sub(found.len())));
+        slots
+    });
+    (columns_of(&narrowed) <= columns).then_some(Cow::Owned(narrowed))
 }
 
 /// Whether equations that are found jump, or those that are doubted might, or bend.
@@ -190,13 +236,13 @@ fn library_is_insufficient(program: &Program, measured: &Measured, first: &Disco
 /// The joint problem of all equations; `None` if the program would not estimate such data jointly, or if a candidate only restates its target.
 fn problem(
     program: &Program,
-    second: &Second,
+    (dataset, why): (&Dataset, SecondMethodReason),
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Option<Problem> {
     let (model, libraries) = (&program.model, &program.libraries);
     // By themselves, clean records are estimated by regression.
-    let method = match second.why {
+    let method = match why {
         SecondMethodReason::MeasuredRates => options.search.method,
         SecondMethodReason::Jumps | SecondMethodReason::EstimatedRates => Method::Joint,
     };
@@ -204,6 +250,71 @@ fn problem(
         method,
         ..options.search
     };
-    let problem = discover::joint(model, libraries, &second.dataset, &search, observer).ok()?;
+    let problem = discover::joint(model, libraries, dataset, &search, observer).ok()?;
     problem.target_copies().is_empty().then_some(problem)
+}
+
+/// Why laws with unknown constants that pass by estimated derivatives may be wrong all the same, by target: they do not follow the readings from
+/// which these were estimated. Other terms at wrong constants imitate a law within the errors of derivatives. The laws found are estimated
+/// alone, so this takes a part of a search.
+fn missed_trajectory(
+    (program, measured): (&Program, &Measured),
+    first: &Discovery,
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Vec<(Signal, Reason)> {
+    let model = &program.model;
+    let rough = |e: &Equation| {
+        let evidence = e.evidence.as_ref();
+        evidence.is_some_and(|e| e.residual > SECOND_METHOD.exact_rates)
+    };
+    let read = model
+        .equations
+        .iter()
+        .any(|e| measured.dataset.has(e.target));
+    let certain = !first.passes() || !first.equations.iter().any(rough);
+    let may_imitate = !model.unknowns.is_empty() && !may_switch(program, first);
+    if model.discrete || read || certain || !may_imitate {
+        return Vec::new();
+    }
+    let why = SecondMethodReason::EstimatedRates;
+    let alone = program.with_slots(first, &|_, found| found.to_vec());
+    let affordable = affordable_columns(&alone, measured, why);
+    if columns_of(&alone) > affordable {
+        return Vec::new();
+    }
+    let searched_whole = columns_of(program) <= affordable;
+    let alone = Second {
+        program: Cow::Owned(alone.near_constants(first, SECOND_METHOD.near)),
+        dataset: Cow::Borrowed(&measured.dataset),
+        why,
+    };
+    let Some(joint) = alone.estimate(options, observer) else {
+        return Vec::new();
+    };
+    let misses = |e: &Equation| {
+        let misfit = e.reasons.iter().find(|r| r.code == ReasonCode::Misfit)?;
+        let text = format!(
+            "along its trajectory {}, though its derivatives fit within their errors",
+            misfit.text
+        );
+        let reason = Reason::new(ReasonCode::Misfit, text);
+        let way = match searched_whole {
+            true => "look for a term that the library lacks, or declare a smooth input `cubic`",
+            false => "search with the trajectory, which takes longer: --method joint",
+        };
+        Some((e.target, reason.remedy(way)))
+    };
+    joint.equations.iter().filter_map(misses).collect()
+}
+
+/// The answer with these doubts.
+fn doubted(mut found: Discovery, reasons: Vec<(Signal, Reason)>) -> Discovery {
+    for (target, reason) in reasons {
+        let own = found.equations.iter_mut().find(|e| e.target == target);
+        if let Some(equation) = own {
+            equation.doubt(reason);
+        }
+    }
+    found
 }

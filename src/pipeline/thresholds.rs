@@ -29,6 +29,10 @@ family! {
 family! {
     /// Equations estimated jointly although the readings are clean.
     pub(crate) SECOND_METHOD: PipelineSecondMethod {
+        /// Residual by estimated derivatives below which the trajectory has nothing more to say.
+        exact_rates: f64 = 1e-6, unit "of the target", source "the noise below which readings are clean";
+        /// How far from the values found unknown constants are sought along the trajectory.
+        near: f64 = 2.0, unit "times", source "the errors of derivatives, thousandths, move the constant of a right law by far less";
         /// Samples times candidate terms up to which that is tried.
         work: usize = 100_000, unit "values", source "it takes ten seconds there: the drive EMPS, 17,389 rows of 6 terms";
         /// The same for models with unknown constants whose terms do not jump.

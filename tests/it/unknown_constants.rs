@@ -515,3 +515,33 @@ fn growth_from_near_zero_under_a_logarithm_is_found() {
         assert!((value(&found, "K") - 9.0).abs() < 0.2, "{}", run.stdout);
     }
 }
+
+#[test]
+fn terms_that_imitate_a_law_within_the_errors_of_derivatives_are_doubted() {
+    // Straight inputs bend the motion at every sample, so derivatives are off by 1e-3; cos(x) times a bell at another width is as near.
+    let bends = |t: f64| {
+        let k = (t / STEP).floor();
+        let at = |k: f64| push(k * STEP);
+        at(k) + (t / STEP - k) * (at(k + 1.0) - at(k))
+    };
+    let law = |t: f64, x: &[f64; 2]| {
+        let bell = -2.3 * (-(x[0] / 0.35).powi(2)).exp();
+        [x[1], bell - 0.64 * x[1] - 0.8 * x[0] + bends(t)]
+    };
+    let row = |t: f64, x: &[f64; 2]| vec![x[0], bends(t)];
+    let csv = table("x,u", 600, [1.0, 0.0], &law, row);
+    let offered = |bell: &str| {
+        let terms = format!("<1, x, x^2, dx, u, {bell}>");
+        let model =
+            format!("unknown k in 0.1..10\nstate x : order 2\ninput u : linear\nddx ~ {terms}\n");
+        identify(&model, &csv, &[]).0.stdout
+    };
+    let wrong = offered("cos(x)*exp(-(x/k)^2)");
+    let said = [
+        "law: doubted (misfit)",
+        "along its trajectory the residuals of x",
+    ];
+    assert!(said.iter().all(|part| wrong.contains(part)), "{wrong}");
+    let right = offered("exp(-(x/k)^2)");
+    assert!(right.contains("law: passes"), "{right}");
+}

@@ -304,9 +304,12 @@ fn misfit(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
             Reason::new(
                 ReasonCode::Misfit,
                 format!(
-                    "the residuals of {} are {:.1} times its sensor's noise",
+                    "the residuals of {} are {} times its sensor's noise",
                     case.names.name(c.signal),
-                    c.noise_ratio
+                    match c.noise_ratio < 1e4 {
+                        true => format!("{:.1}", c.noise_ratio),
+                        false => significant(c.noise_ratio, 2),
+                    }
                 ),
             )
         })

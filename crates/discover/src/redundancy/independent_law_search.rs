@@ -12,7 +12,6 @@ use crate::regression::design::Design;
 use crate::regression::task::Task;
 use crate::selection::best_subset::BestSubsetSearch;
 use crate::selection::information_criterion::InformationCriterion;
-use crate::selection::screening::by_simplicity;
 use crate::selection::term_selection::{self, TermSelection};
 use crate::statistics::{autocorrelation_time, norm};
 use sidc_lang::term::{Signal, Term};
@@ -146,7 +145,7 @@ impl IndependentLawSearch<'_, '_> {
         if phi.cols() > TERM_SELECTION.exhaustive_columns
             && self.task.library.len() <= INDEPENDENT_LAW.listed_terms
         {
-            pool.extend(by_simplicity(self.task.library));
+            pool.extend(self.task.library.by_degree());
             let mut seen = BTreeSet::new();
             pool.retain(|j| seen.insert(*j));
             pool.truncate(TERM_SELECTION.exhaustive_columns);

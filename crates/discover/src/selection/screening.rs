@@ -73,7 +73,7 @@ pub(crate) fn screen(
         let problem = with(system)?;
         let proposed = proposals(&problem, slots.len(), observer);
         let mut pool: Vec<usize> = proposed.into_iter().map(|j| slots[j]).collect();
-        for slot in by_simplicity(library) {
+        for slot in library.by_degree() {
             if pool.len() < searched.max(SCREENING.small_library) && !pool.contains(&slot) {
                 pool.push(slot);
             }
@@ -82,13 +82,6 @@ pub(crate) fn screen(
         pools[place] = Some(pool);
     }
     Ok(pools)
-}
-
-/// All slots, those of terms of lowest degree first.
-pub(crate) fn by_simplicity(library: &Library) -> Vec<usize> {
-    let mut all: Vec<(f64, usize)> = library.terms().map(|(s, t)| (t.degree(), s)).collect();
-    all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    all.into_iter().map(|(_, slot)| slot).collect()
 }
 
 /// Columns that enter the Lasso path first, on a sketch of the problem.

@@ -154,6 +154,20 @@ impl Library {
             .filter(move |(slot, _)| empty.next_if_eq(slot).is_none())
     }
 
+    /// The slots of all terms, those of lowest degree first.
+    pub fn by_degree(&self) -> Vec<usize> {
+        let mut all: Vec<(f64, usize)> = self.terms().map(|(s, t)| (t.degree(), s)).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        all.into_iter().map(|(_, slot)| slot).collect()
+    }
+
+    /// The same library with these slots and the required ones alone.
+    pub fn with_only(&self, slots: &[usize]) -> Library {
+        let left = |slot: &usize| !slots.contains(slot);
+        let others: Vec<usize> = (0..self.slots()).filter(left).collect();
+        self.without(&others)
+    }
+
     /// Every term that is a factor of a block. Together they mention all signals and functions of the library.
     pub fn factors(&self) -> impl Iterator<Item = &Term> {
         self.blocks
