@@ -147,12 +147,13 @@ impl Program {
             .map(|u| self.model.variable(u.var).to_owned())
             .collect();
         for (unknown, name) in self.model.unknowns.iter_mut().zip(names) {
-            let Some(near) = found.unknowns.iter().find(|v| v.name == name) else {
-                continue;
-            };
-            let (a, b) = (near.value / factor, near.value * factor);
+            // One value, or one a run.
+            let own = found.unknowns.iter().filter(|v| v.name == name);
+            let ends = own.flat_map(|v| [v.value / factor, v.value * factor]);
+            let empty = (f64::INFINITY, f64::NEG_INFINITY);
+            let (a, b) = ends.fold(empty, |(a, b), x| (a.min(x), b.max(x)));
             let (from, to) = unknown.range.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
-            let (from, to) = (a.min(b).max(from), a.max(b).min(to));
+            let (from, to) = (a.max(from), b.min(to));
             if from < to {
                 unknown.range = Some((from, to));
             }

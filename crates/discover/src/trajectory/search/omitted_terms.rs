@@ -33,7 +33,8 @@ pub struct LawChange {
 }
 
 /// Searches from the laws found, with `extra[l]` as further candidates of law l. Laws with fewer terms need only improve the
-/// criterion, others by `margin` in units of independent readings. `None` if no such laws are found.
+/// criterion, others by `margin` in units of independent readings, and more the more candidates there are: of N wrong laws the best has a
+/// likelihood N times as large by chance (Bonferroni). `None` if no such laws are found.
 pub fn search_beyond_libraries(
     problem: &Problem,
     found: &Found,
@@ -49,7 +50,8 @@ pub fn search_beyond_libraries(
     let start = extended.point(&found.best.point);
     level.fit([start.clone()], observer);
     let before = level.best.first()?.value;
-    let margin = margin * found.inefficiency;
+    let candidates: usize = extra.iter().map(Vec::len).sum();
+    let margin = (margin + 2.0 * (candidates.max(1) as f64).ln()) * found.inefficiency;
     level.improve_briefly(observer);
     let best = level.best.first()?;
     let gain = before - best.value;
