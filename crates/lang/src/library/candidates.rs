@@ -161,11 +161,15 @@ impl Library {
         all.into_iter().map(|(_, slot)| slot).collect()
     }
 
-    /// The same library with these slots and the required ones alone.
+    /// A library of the terms in these slots and the required ones, listed.
     pub fn with_only(&self, slots: &[usize]) -> Library {
-        let left = |slot: &usize| !slots.contains(slot);
-        let others: Vec<usize> = (0..self.slots()).filter(left).collect();
-        self.without(&others)
+        let mut kept: Vec<usize> = slots.iter().chain(&self.required).copied().collect();
+        kept.sort_unstable();
+        kept.dedup();
+        let terms = kept.iter().filter_map(|slot| self.term(*slot)).collect();
+        let place = |slot: &usize| kept.binary_search(slot).ok();
+        let required = self.required.iter().filter_map(place).collect();
+        Library::listed(terms).requiring(required)
     }
 
     /// Every term that is a factor of a block. Together they mention all signals and functions of the library.

@@ -5,9 +5,6 @@
 
 use crate::trajectory::model::Problem;
 
-/// The samples of a record at which some column has no value, rising.
-type Undefined = Vec<usize>;
-
 impl Problem {
     /// The problem with smoothed trajectories along which every column has a value, where that takes no more than to follow the readings there,
     /// or a move by `within` standard deviations of their noise.
@@ -21,7 +18,8 @@ impl Problem {
         self
     }
 
-    fn undefined_samples(&self) -> Vec<Undefined> {
+    /// Of each record the samples at which some column has no value, rising.
+    fn undefined_samples(&self) -> Vec<Vec<usize>> {
         let mut undefined = vec![Vec::new(); self.records.len()];
         for part in self.along_smoothed() {
             let is_undefined = |k: &usize| {
@@ -50,15 +48,14 @@ impl Problem {
         let n = self.states();
         let own = self.sensors.of(r);
         let (noise, readings) = (&self.noise[own.clone()], &self.readings[own]);
-        let length = self.records[r].len();
         let is_defined = |k: &usize| undefined.binary_search(k).is_err();
+        let defined = (0..self.records[r].len()).filter(is_defined);
+        let defined: Vec<usize> = defined.collect();
         for k in undefined {
-            let (before, after) = (*k, length - 1 - k);
-            let near = |d: usize| {
-                let left = k.checked_sub(d).filter(is_defined);
-                left.or(Some(k + d).filter(|k| *k < length && is_defined(k)))
-            };
-            let Some(nearest) = (1..=before.max(after)).find_map(near) else {
+            let at = defined.partition_point(|d| d < k);
+            let around = at.checked_sub(1).into_iter().chain([at]);
+            let around = around.filter_map(|place| defined.get(place));
+            let Some(nearest) = around.min_by_key(|d| d.abs_diff(*k)) else {
                 return;
             };
             let states = &mut self.smoothed[r].states;
