@@ -128,7 +128,7 @@ impl<'a> Second<'a> {
     /// the constraints.
     fn estimate(&self, options: &Options, observer: &mut dyn Observer) -> Option<Discovery> {
         let dataset = self.dataset.as_ref();
-        let problem = problem(&self.program, (dataset, self.why), options, observer)?;
+        let problem = problem(self, options, observer)?;
         let found = jointly(&self.program, dataset, &problem, options, observer);
         Some(found.ok()?.0)
     }
@@ -234,15 +234,10 @@ fn library_is_insufficient(program: &Program, measured: &Measured, first: &Disco
 }
 
 /// The joint problem of all equations; `None` if the program would not estimate such data jointly, or if a candidate only restates its target.
-fn problem(
-    program: &Program,
-    (dataset, why): (&Dataset, SecondMethodReason),
-    options: &Options,
-    observer: &mut dyn Observer,
-) -> Option<Problem> {
-    let (model, libraries) = (&program.model, &program.libraries);
+fn problem(second: &Second, options: &Options, observer: &mut dyn Observer) -> Option<Problem> {
+    let (model, libraries) = (&second.program.model, &second.program.libraries);
     // By themselves, clean records are estimated by regression.
-    let method = match why {
+    let method = match second.why {
         SecondMethodReason::MeasuredRates => options.search.method,
         SecondMethodReason::Jumps | SecondMethodReason::EstimatedRates => Method::Joint,
     };
@@ -250,7 +245,7 @@ fn problem(
         method,
         ..options.search
     };
-    let problem = discover::joint(model, libraries, dataset, &search, observer).ok()?;
+    let problem = discover::joint(model, libraries, &second.dataset, &search, observer).ok()?;
     problem.target_copies().is_empty().then_some(problem)
 }
 
