@@ -21,7 +21,7 @@
 
 (defconst sid-font-lock-keywords
   `((,(concat "^[ \t]*" (regexp-opt '("sidc" "system" "state" "input" "output" "param" "unknown" "let" "data"
-                                      "constrain" "coef" "symmetry" "limit" "prefer" "include")
+                                      "constrain" "coef" "symmetry" "when" "limit" "prefer" "include")
                                     'symbols))
      . font-lock-keyword-face)
     (,(regexp-opt '("order" "noise" "memory" "unit" "hold" "linear" "cubic" "delay" "hidden" "degree" "per" "run" "cyclic") 'symbols)

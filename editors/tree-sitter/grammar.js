@@ -42,6 +42,7 @@ module.exports = grammar({
         $.constraint,
         $.per_run,
         $.symmetry,
+        $.reset,
         $.limit,
         $.preference,
         $.include,
@@ -84,6 +85,8 @@ module.exports = grammar({
 
     symmetry: ($) => seq("symmetry", choice($.names, seq("(", $.names, ")")), "->", choice($.names, $.flipped)),
     flipped: ($) => seq("-", "(", $.names, ")"),
+    reset: ($) => seq("when", $._expression, $.relation, $._expression, ":", listed($.jump)),
+    jump: ($) => seq(field("name", $.name), "->", $._expression),
     limit: ($) => seq("limit", listed($.attribute)),
     preference: ($) => seq("prefer", $.attribute),
     include: ($) => seq("include", field("path", $.text)),

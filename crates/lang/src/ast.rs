@@ -45,6 +45,7 @@ pub enum Keyword {
     Constrain,
     Coef,
     Symmetry,
+    When,
     Limit,
     Prefer,
     Include,
@@ -108,6 +109,14 @@ pub enum StatementKind {
     },
     /// `symmetry NAMES -> IMAGE`
     Symmetry { names: Vec<Expr>, image: Image },
+    /// `when EXPR < EXPR : NAME -> EXPR, …`
+    Reset {
+        left: Expr,
+        relation: &'static str,
+        right: Expr,
+        /// Each name with its value.
+        jumps: Vec<(Expr, Expr)>,
+    },
     /// `limit degree 4`
     Limit(Vec<Attribute>),
     /// `prefer degree`
@@ -401,6 +410,7 @@ pub const KEYWORDS: &[(&str, Keyword)] = &[
     ("constrain", Keyword::Constrain),
     ("coef", Keyword::Coef),
     ("symmetry", Keyword::Symmetry),
+    ("when", Keyword::When),
     ("limit", Keyword::Limit),
     ("prefer", Keyword::Prefer),
     ("include", Keyword::Include),
@@ -414,6 +424,11 @@ pub const ATTRIBUTES: [&str; 9] = [
 impl Keyword {
     pub fn named(text: &str) -> Option<Keyword> {
         KEYWORDS.iter().find(|(t, _)| *t == text).map(|(_, k)| *k)
+    }
+
+    /// Whether `<` and `>` compare in its statement, and are not the brackets of a list.
+    pub fn compares(self) -> bool {
+        matches!(self, Keyword::Constrain | Keyword::When)
     }
 
     pub fn text(self) -> &'static str {

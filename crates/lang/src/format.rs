@@ -197,7 +197,8 @@ impl<'a, 't> Layout<'a, 't> {
         if token.kind == TokenKind::Comment {
             return (token.start - last.end).max(2);
         }
-        let relation = self.keywords.get(i) == Some(&Some(Keyword::Constrain));
+        let relation = self.keywords.get(i).copied().flatten();
+        let relation = relation.is_some_and(Keyword::compares);
         let pad = self.pads.get(i).copied().unwrap_or(0);
         pad + usize::from(match (last.text, token.text) {
             _ if last.kind == TokenKind::Text || token.kind == TokenKind::Text => {
@@ -259,7 +260,7 @@ impl<'a, 't> Layout<'a, 't> {
         match left.kind {
             TokenKind::Symbol => {
                 matches!(left.text, ")" | "]")
-                    || left.text == ">" && keyword != Some(Keyword::Constrain)
+                    || left.text == ">" && !keyword.is_some_and(Keyword::compares)
             }
             TokenKind::Name => {
                 !(keyword.is_some_and(|k| k.text() == left.text) || left.text == "step")

@@ -18,6 +18,7 @@ pub mod model;
 pub mod number;
 pub mod parse;
 pub mod render;
+mod reset;
 pub mod sensor_noise;
 pub mod source;
 pub mod term;

@@ -10,6 +10,7 @@ use crate::term::{Expr, Func, Signal, SignalNames, Term, VarId};
 use crate::units;
 use crate::units::Unit;
 
+pub use crate::reset::{Condition, Reset};
 pub use crate::unknown_constant::UnknownConstant;
 
 #[derive(Clone, Debug, Default)]
@@ -26,6 +27,8 @@ pub struct Model {
     pub constraints: Vec<Constraint>,
     /// Coefficients that may differ from run to run.
     pub per_run: Vec<Coefficient>,
+    /// What `when` states, in order.
+    pub resets: Vec<Reset>,
     pub symmetries: Vec<Symmetry>,
     /// Largest sum of |exponents| of a term, if limited.
     pub degree: Option<f64>,

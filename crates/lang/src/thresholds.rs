@@ -38,6 +38,8 @@ family! {
         lag: f64 = 1e6, unit "samples", source "set by hand";
         /// Symmetries of a model.
         symmetries: usize = 64, unit "symmetries", source "each is one bit of a 64-bit word";
+        /// Conditions at which states jump: each is a guard that every step is searched for.
+        resets: usize = 100, unit "conditions", source "set by hand: a plant has a few";
         /// Constraints of a model: they are compared with each other before any data are read.
         constraints: usize = 1_000, unit "relations", source "set by hand; 4,990 judged together took more than 200 s (docs/robustness.md)";
         /// Largest bound that `limit degree` takes.

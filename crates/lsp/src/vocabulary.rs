@@ -20,7 +20,7 @@ const fn entry(word: &'static str, form: &'static str, meaning: &'static str) ->
 }
 
 /// Words that open a statement.
-pub const STATEMENTS: [Entry; 15] = [
+pub const STATEMENTS: [Entry; 16] = [
     entry(
         "sidc",
         "sidc 1",
@@ -76,6 +76,11 @@ pub const STATEMENTS: [Entry; 15] = [
         "symmetry",
         "symmetry ${1:x} -> -(${1:x})",
         "The equations hold as well with these signs changed; terms that do not are left out.",
+    ),
+    entry(
+        "when",
+        "when ${1:y} ${2|<,>|} ${3:0} : ${4:dy} -> ${5:-e*dy}",
+        "States that jump at the instant at which a condition becomes true.",
     ),
     entry(
         "limit",

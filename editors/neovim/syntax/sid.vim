@@ -3,7 +3,7 @@ if exists("b:current_syntax")
   finish
 endif
 
-syntax keyword sidKeyword sidc system state input output param unknown let data constrain coef symmetry limit prefer include
+syntax keyword sidKeyword sidc system state input output param unknown let data constrain coef symmetry when limit prefer include
 syntax keyword sidAttribute order noise memory unit hold linear cubic delay hidden degree plain per run step none in cyclic
 syntax match sidFunction /\<\(sin\|cos\|tan\|asin\|acos\|atan\|sinh\|cosh\|tanh\|exp\|log\|sqrt\|abs\|sign\|min\|max\)\>/
 syntax match sidGenerator /\<\(poly\|powers\|fourier\|lags\|known\|required\|next\|lag\|unwrap\)\>/

@@ -69,6 +69,7 @@ fn check_equations(file: &File, vocabulary: &Vocabulary) -> (Option<Model>, Vec<
     model.discrete = c.scope.discrete.is_some();
     model.constraints = c.constraints(&model.equations);
     model.per_run = c.per_run(&model.equations);
+    model.resets = c.resets(&model.equations);
     model.symmetries = c.symmetries();
     model.degree = c.degree_limit();
     model.norms = c.preferred_norms();

@@ -3,6 +3,8 @@
 //! In: the text and tokens of a statement whose brackets match. Out: the node with spans of the whole file, or the first error. Each
 //! function quotes the rule of the grammar it reads. Cuts no statements.
 
+mod resets;
+
 use pest::Parser;
 use pest::iterators::{Pair, Pairs};
 
@@ -40,6 +42,7 @@ pub fn statement(
         Rule::constrain_family => tree.family(tree.constrain(&mut inner)?, &mut inner),
         Rule::per_run_family => tree.family(tree.per_run(&mut inner)?, &mut inner),
         Rule::symmetry => tree.symmetry(inner),
+        Rule::reset => tree.reset(inner),
         Rule::limit => tree.limit(inner),
         Rule::prefer => tree.prefer(inner),
         Rule::include => tree.include(inner),
@@ -258,11 +261,7 @@ impl AstBuilder<'_> {
         let mut rest = Vec::new();
         while let Some(pair) = inner.peek().filter(|p| p.as_rule() == Rule::relation) {
             inner.next();
-            let relation = ["<=", ">=", "<", ">"]
-                .into_iter()
-                .find(|r| *r == pair.as_str())
-                .unwrap_or("=");
-            rest.push((relation, self.expr(self.next(inner)?)?));
+            rest.push((relation(&pair), self.expr(self.next(inner)?)?));
         }
         Ok(StatementKind::Constrain { first, rest })
     }
@@ -441,4 +440,10 @@ impl AstBuilder<'_> {
         }
         Ok(call)
     }
+}
+
+fn relation(pair: &Pair<Rule>) -> &'static str {
+    let all = ["<=", ">=", "<", ">"];
+    let written = all.into_iter().find(|r| *r == pair.as_str());
+    written.unwrap_or("=")
 }

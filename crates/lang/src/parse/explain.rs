@@ -198,7 +198,7 @@ impl<'t> FailurePoint<'_, 't> {
     /// `2 x`, `(a)(b)`, a comma forgotten at the end of a line
     fn missing_operator(&self) -> Option<Diagnostic> {
         let (found, last) = (self.found()?, self.before(1)?);
-        let relation = self.keyword == Some(Keyword::Constrain);
+        let relation = self.keyword.is_some_and(Keyword::compares);
         let ends = last.is_operand() || last.is(")") || last.is("]") || last.is(">") && !relation;
         let begins = found.is_operand() || found.is("(") || found.is("<") && !relation;
         let opens = self.keyword.is_some() && self.at == 1;
@@ -277,6 +277,7 @@ fn example(rule: Rule) -> &'static str {
         Rule::constrain => "constrain coef(dx, x) < 0",
         Rule::per_run => "coef(dx, x) : per run",
         Rule::symmetry => "symmetry x, y -> -(x, y)",
+        Rule::reset => "when y < 0 : dy -> -0.8*dy",
         Rule::limit => "limit degree 4",
         Rule::prefer => "prefer degree",
         Rule::step => "step 0.01",

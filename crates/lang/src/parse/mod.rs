@@ -113,6 +113,7 @@ fn statement(
         }
         Some(Keyword::Data) => return data(id, text, tokens, piece, errors),
         Some(Keyword::Symmetry) => Rule::symmetry,
+        Some(Keyword::When) => Rule::reset,
         Some(Keyword::Limit) => Rule::limit,
         Some(Keyword::Prefer) => Rule::prefer,
         Some(Keyword::Include) => Rule::include,

@@ -97,7 +97,7 @@ impl<'t> Splitter<'t> {
         let (mut i, mut last) = (start, start);
         while let Some(token) = self.get(i).copied() {
             if token.kind == TokenKind::Newline {
-                let relation = keyword == Some(Keyword::Constrain);
+                let relation = keyword.is_some_and(Keyword::compares);
                 match self.next_code(i) {
                     Some(next)
                         if !self.ends_between(last, next, open.brackets.is_empty(), relation) =>
@@ -196,10 +196,8 @@ impl<'t> Splitter<'t> {
 
     /// Opens and closes brackets, and counts nesting and runs of minus signs, which the recursive parser descends into.
     fn track(&mut self, i: usize, token: Token, keyword: Option<Keyword>, open: &mut OpenBrackets) {
-        let angles = !matches!(
-            keyword,
-            Some(Keyword::Constrain | Keyword::Data | Keyword::Symmetry)
-        );
+        let angles = !keyword
+            .is_some_and(|k| k.compares() || matches!(k, Keyword::Data | Keyword::Symmetry));
         // An unclosed quote may have swallowed a closing bracket.
         let quote = token.kind == TokenKind::Bad && token.text.starts_with('"');
         open.sound &= !quote;

@@ -1,6 +1,6 @@
 ; Highlights the words of a model with the compiler's token types (compared in tests/it/editor).
 
-["sidc" "system" "state" "input" "output" "param" "unknown" "let" "data" "constrain" "coef" "symmetry" "limit" "prefer" "include"] @keyword
+["sidc" "system" "state" "input" "output" "param" "unknown" "let" "data" "constrain" "coef" "symmetry" "when" "limit" "prefer" "include"] @keyword
 ["in" "per" "run" "step" "none" "cyclic"] @attribute
 (attribute_name) @attribute
 

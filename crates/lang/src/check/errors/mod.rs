@@ -10,6 +10,7 @@ mod expressions;
 mod families;
 mod functions;
 mod hidden_states;
+mod resets;
 mod symmetries;
 mod unit_mismatch;
 
@@ -21,5 +22,6 @@ pub use expressions::*;
 pub use families::*;
 pub use functions::*;
 pub use hidden_states::*;
+pub use resets::*;
 pub use symmetries::*;
 pub use unit_mismatch::*;

@@ -56,6 +56,12 @@ pub fn too_many_symmetries(at: Span, limit: usize) -> Diagnostic {
         .help("join those that always hold together")
 }
 
+pub fn too_many_resets(at: Span, limit: usize) -> Diagnostic {
+    Diagnostic::error("too-large", format!("more than {limit} lines with `when`"))
+        .at(at, "one too many")
+        .help("leave out those that never happen in the record")
+}
+
 pub fn too_many_constraints(at: Span, limit: usize) -> Diagnostic {
     Diagnostic::error("too-large", format!("more than {limit} constraints"))
         .at(at, "one too many")

@@ -51,6 +51,14 @@ impl Checker<'_> {
                     pass.measure(right);
                 }
                 StatementKind::Equation { right, .. } => pass.library(right),
+                StatementKind::Reset {
+                    left, right, jumps, ..
+                } => {
+                    let jumps = jumps.iter().map(|(name, to)| (name, to));
+                    for (a, b) in jumps.chain([(left, right)]) {
+                        pass.alike(&[(false, a), (false, b)], SumContext::Comparison);
+                    }
+                }
                 _ => {}
             }
         }

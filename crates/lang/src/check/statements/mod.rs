@@ -6,5 +6,6 @@ mod declaration;
 mod equation;
 mod function_definition;
 mod let_binding;
+mod reset;
 mod symmetry;
 mod unknown;
