@@ -47,7 +47,9 @@ pub(crate) fn caveats(d: &Discovery) -> Vec<String> {
         let text = format!("{target}: {}: {}", reason.code, reason.text);
         lines.extend(wrapped(&comment_safe(&text), WIDTH, "  ", "    "));
     }
-    for sentence in d.hidden_sentences() {
+    let jumps = d.resets.iter();
+    let jumps = jumps.map(|r| format!("states jump: {}", r.text(d)));
+    for sentence in jumps.chain(d.hidden_sentences()) {
         lines.extend(wrapped(&comment_safe(&sentence), WIDTH, "  ", "    "));
     }
     for sentence in disturbance::sentences(d) {

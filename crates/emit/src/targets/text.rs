@@ -21,7 +21,8 @@ impl Target for Text {
 
     fn emit(&self, d: &Discovery) -> Result<Written, String> {
         let caveats = commented("# ", caveats(d).into_iter());
-        let constants = commented("", unknown_constants::lines(d));
+        let jumps = d.resets.iter().map(|r| r.text(d));
+        let constants = commented("", jumps.chain(unknown_constants::lines(d)));
         Ok((caveats + &equations(d).concat() + &constants + &derived_forms(d)).into())
     }
 }

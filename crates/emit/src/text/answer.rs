@@ -23,6 +23,7 @@ pub fn answer(d: &Discovery, v: &Verdict) -> String {
         out.push_str(&lines);
         out.push_str(&solution_path::table(d, e));
     }
+    out.push_str(&lines(d.resets.iter().map(|r| r.text(d))));
     out.push_str(&lines(unknown_constants::lines(d)));
     out.push_str(&lines(d.hidden_sentences().into_iter()));
     out.push_str(&lines(disturbance::sentences(d)));

@@ -13,7 +13,7 @@ use crate::discovery::{
     Halves, Identifiability, JointEvidence, OmittedTerm, Reason, ReasonCode, RelationChoices,
     RunCoefficient, SparsestProof, TermEvidence, Verification, Witness,
 };
-use sidc_lang::model::{Model, VarKind};
+use sidc_lang::model::{Model, Reset, VarKind};
 use sidc_lang::term::{Language, Signal, SignalNames, Term, VarId};
 use sidc_lang::units;
 use sidc_lang::units::Unit;
@@ -40,6 +40,8 @@ pub struct Discovery {
     pub correlations: Vec<Correlations>,
     /// The components of the state that nothing measures.
     pub hidden: Vec<HiddenState>,
+    /// Where states jump, as the model states it; unknown constants stand there by name.
+    pub resets: Vec<Reset>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -336,6 +338,7 @@ impl Discovery {
             unknowns: Vec::new(),
             correlations: Vec::new(),
             hidden: Vec::new(),
+            resets: model.resets.clone(),
         }
     }
 

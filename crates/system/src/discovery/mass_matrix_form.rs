@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 use nalgebra::{DMatrix, DVector};
 
 use crate::discovery::{Discovery, Equation};
-use sidc_lang::model::VarKind;
+use sidc_lang::model::{Reset, VarKind};
 use sidc_lang::term::{Expr, Signal, Term};
 
 /// A system in mass-matrix form, and the order of its arguments.
@@ -36,6 +36,8 @@ pub struct Form {
     pub rates: Vec<Rate>,
     /// True if M and f do not depend on q.
     pub linear: bool,
+    /// Where x jumps.
+    pub resets: Vec<Reset>,
 }
 
 /// One equation, target = right, as Σ_j mass\[j\]·q_j = force.
@@ -97,6 +99,8 @@ impl Form {
             .map(|e| form.row(right(e), e.target))
             .collect();
         form.linear = form.rows.iter().all(|r| form.free(r));
+        let resets = d.resets.iter();
+        form.resets = resets.map(|r| r.map(&|e| valued(e.clone()))).collect();
         form.outputs = maps.iter().map(|e| (e.target, right(e))).collect();
         form
     }
@@ -194,12 +198,16 @@ impl Form {
 
     fn other_signals(&mut self, d: &Discovery) {
         let mut seen = BTreeSet::new();
+        let mut see = |s: Signal| {
+            seen.insert(s);
+        };
         for e in &d.equations {
-            for t in &e.terms {
-                t.term.for_each_signal(&mut |s| {
-                    seen.insert(s);
-                });
-            }
+            e.terms
+                .iter()
+                .for_each(|t| t.term.for_each_signal(&mut see));
+        }
+        for e in d.resets.iter().flat_map(Reset::expressions) {
+            e.for_each_signal(&mut see);
         }
         for s in seen {
             let taken = self.state.contains(&s) || self.unknowns.contains(&s) || s == Signal::TIME;

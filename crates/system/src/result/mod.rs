@@ -39,6 +39,9 @@ pub struct Document {
     pub time_unit: Option<String>,
     pub variables: Vec<VariableEntry>,
     pub equations: Vec<EquationEntry>,
+    /// Where states jump, as the model states it; absent if they do not.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub resets: Vec<ResetEntry>,
     #[serde(default)]
     pub failed: Vec<FailedEntry>,
     /// Runs that the equations were not found from, because they do not follow them.
@@ -76,6 +79,21 @@ pub struct Document {
     /// Models that were compared, best first; absent for one alone.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub candidates: Vec<CandidateEntry>,
+}
+
+/// States that jump where a condition becomes true.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ResetEntry {
+    /// `y < 0`
+    pub when: String,
+    pub jumps: Vec<JumpEntry>,
+}
+
+/// A state with its value after a jump, in terms of those before.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JumpEntry {
+    pub signal: String,
+    pub value: String,
 }
 
 /// What stands in a document beside the discovery.

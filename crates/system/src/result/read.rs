@@ -4,7 +4,7 @@ use crate::discovery::{
     Correlations, Discovery, Equation, Failed, FoundTerm, HiddenState, SignalDelay, TermEvidence,
     UnknownValue,
 };
-use crate::result::{Document, EquationEntry, TermEntry, TimeKind, VERSION};
+use crate::result::{Document, EquationEntry, ResetEntry, TermEntry, TimeKind, VERSION};
 use sidc_lang as lang;
 use sidc_lang::Vocabulary;
 use sidc_lang::diagnostic::Diagnostic;
@@ -123,6 +123,18 @@ fn opened(name: &str, doc: &Document) -> Result<(Discovery, Model), Diagnostic> 
             });
         }
     }
+    let jumps = |r: &ResetEntry| r.jumps.len();
+    let as_many = doc
+        .resets
+        .iter()
+        .map(jumps)
+        .eq(d.resets.iter().map(|r| r.jumps.len()));
+    if !as_many {
+        return Err(damaged(
+            name,
+            "its resets are not one condition and its jumps each",
+        ));
+    }
     d.relations.clone_from(&doc.relations);
     d.delays.clone_from(&doc.delays);
     let unknown = |delay: &&SignalDelay| {
@@ -222,6 +234,14 @@ fn plain_words(name: &str, doc: &Document) -> Result<(), Diagnostic> {
             return Err(damaged(name, &format!("{text:?} is no term")));
         }
     }
+    let jumps = doc.resets.iter().flat_map(|r| &r.jumps);
+    let parts = jumps.flat_map(|j| [(&j.signal, "#~=;:{}\"<>"), (&j.value, "#~=;:{}\"<>")]);
+    let parts = parts.chain(doc.resets.iter().map(|r| (&r.when, "#~=;:{}\"")));
+    for (text, reserved) in parts {
+        if text.contains(|c: char| c.is_control() || reserved.contains(c)) {
+            return Err(damaged(name, &format!("{text:?} is no part of a reset")));
+        }
+    }
     Ok(())
 }
 
@@ -253,6 +273,12 @@ fn as_model(doc: &Document) -> String {
     }
     for f in &doc.failed {
         text.push_str(&format!("{} = 0\n", f.target));
+    }
+    for r in &doc.resets {
+        let jumps = r.jumps.iter();
+        let jumps = jumps.map(|j| format!("{} -> {}", j.signal, j.value));
+        let jumps = jumps.collect::<Vec<_>>().join(", ");
+        text.push_str(&format!("when {} : {jumps}\n", r.when));
     }
     text
 }

@@ -2,11 +2,11 @@
 
 use crate::discovery::{Discovery, Equation, FoundTerm, Notice, PathKnot};
 use crate::result::{
-    Document, DocumentContext, EquationEntry, FailedEntry, KnotEntry, TermEntry, TimeKind, VERSION,
-    VariableEntry,
+    Document, DocumentContext, EquationEntry, FailedEntry, JumpEntry, KnotEntry, ResetEntry,
+    TermEntry, TimeKind, VERSION, VariableEntry,
 };
-use sidc_lang::model::VarKind;
-use sidc_lang::term::{Language, Signal, SignalNames};
+use sidc_lang::model::{Reset, VarKind};
+use sidc_lang::term::{Expr, Language, Signal, SignalNames};
 
 /// The document of a discovery as JSON text, ending in a newline.
 ///
@@ -37,6 +37,7 @@ pub fn document(d: &Discovery, beside: DocumentContext) -> Document {
         time_unit: d.unit(Signal::TIME).map(|u| u.to_string()),
         variables: d.variables.iter().skip(1).map(variable).collect(),
         equations: d.equations.iter().map(|e| equation(d, e)).collect(),
+        resets: d.resets.iter().map(|r| reset(d, r)).collect(),
         failed: d
             .failed
             .iter()
@@ -81,6 +82,17 @@ fn variable(v: &crate::discovery::Variable) -> VariableEntry {
         kind: kind.into(),
         order: v.order,
         unit: v.unit.as_ref().map(ToString::to_string),
+    }
+}
+
+fn reset(d: &Discovery, reset: &Reset) -> ResetEntry {
+    let jump = |(signal, value): &(Signal, Expr)| JumpEntry {
+        signal: d.name(*signal),
+        value: Language(d).expr(value),
+    };
+    ResetEntry {
+        when: reset.condition.text(d),
+        jumps: reset.jumps.iter().map(jump).collect(),
     }
 }
 

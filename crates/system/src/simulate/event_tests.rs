@@ -1,5 +1,7 @@
 //! Runs of laws that switch against closed forms, phase by phase: what is between two events is solved by hand, the events by bisection.
 
+mod jumps;
+
 use super::compiled::compiled_system::CompiledSystem;
 use super::forced_right_side::Guard;
 use super::inputs::interpolation::{InputSource, SampledInput};

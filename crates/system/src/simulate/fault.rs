@@ -26,6 +26,8 @@ pub enum FaultKind {
     Diverged { signal: Signal, bound: f64 },
     /// The step size fell below the resolution of time.
     StepTooSmall,
+    /// States jump again and again while no time passes.
+    JumpsAccumulate,
     /// The budget of evaluations is spent.
     TooMuchWork,
     /// The user or a time limit ended the run.
@@ -41,6 +43,7 @@ impl FaultKind {
             FaultKind::NoSolution(_) => "no-solution",
             FaultKind::Diverged { .. } => "blow-up",
             FaultKind::StepTooSmall => "step-too-small",
+            FaultKind::JumpsAccumulate => "jumps-accumulate",
             FaultKind::TooMuchWork => "too-much-work",
             FaultKind::Stopped => "run-stopped",
         }
@@ -70,6 +73,9 @@ impl Fault {
             ),
             FaultKind::StepTooSmall => {
                 format!("no step is small enough to follow {equations}: a singularity")
+            }
+            FaultKind::JumpsAccumulate => {
+                "states jump again and again while no time passes (`when`)".into()
             }
             FaultKind::TooMuchWork => "its steps had become too many and too small".into(),
             FaultKind::Stopped => "stopped by hand or by the time limit".into(),

@@ -90,27 +90,40 @@ impl<'a> ForcedRightSide<'a> {
         self.system.has_switches()
     }
 
-    /// Sets the side of every switch after the inputs or the state jumped, or after `events`. `sizes`: typical sizes of the states.
+    /// Sets the side of every switch after the inputs or the state jumped, or after `events`. Where the inputs, or a jump of the states,
+    /// make the condition of another jump true, the states jump there too. `sizes`: typical sizes of the states; `jumped`: switches whose
+    /// jump is done.
     pub fn settle(
         &mut self,
         (t, x): (f64, &mut [f64]),
         sizes: &[f64],
-        events: &[usize],
+        (mut events, mut jumped): (Vec<usize>, Vec<usize>),
     ) -> Result<(), FaultKind> {
         if !self.has_switches() {
             return Ok(());
         }
         self.at(t);
+        let (system, work) = (self.system, &mut self.work);
         if self.guard_sizes.is_empty() {
-            self.guard_sizes = self.system.guard_sizes(&mut self.work, x, sizes);
+            self.guard_sizes = system.guard_sizes(work, x, sizes);
         }
         let sizes = &self.guard_sizes;
-        self.system.settle(&mut self.work, (t, x), sizes, events)?;
-        self.begin_step(t, x)
+        loop {
+            let before = work.modes.clone();
+            let contacts = system.settle(work, (t, &mut *x), sizes, &events)?;
+            events = system.left_sides(work, &before, &contacts);
+            events.retain(|k| !jumped.contains(k));
+            if events.is_empty() {
+                return self.begin_step(t, x);
+            }
+            jumped.extend(&events);
+            events.iter().for_each(|k| work.modes.0[*k] = before.0[*k]);
+            system.reset(work, (t, &mut *x), sizes, &mut events);
+        }
     }
 
-    /// Passes an event: settles the sides at `x`. If no side changes although the step from there to `end` crosses a guard right at its
-    /// start, the switches take the side beyond the guard.
+    /// Passes an event: lets the states jump, and settles the sides at `x`. If no side changes although the step from there to `end` crosses
+    /// a guard right at its start, the switches take the side beyond the guard.
     pub fn pass_event(
         &mut self,
         (t, x): (f64, &mut [f64]),
@@ -123,11 +136,19 @@ impl<'a> ForcedRightSide<'a> {
             self.events_at_once = 0;
         }
         self.events_at_once += 1;
+        self.at(t);
+        let (system, work) = (self.system, &mut self.work);
+        let mut events = switches.to_vec();
+        let jumped = system.reset(work, (t, &mut *x), &self.guard_sizes, &mut events);
+        let jumps = !jumped.is_empty();
         if self.events_at_once > SWITCHING.at_once {
-            return Err(FaultKind::StepTooSmall);
+            return Err(match jumps {
+                true => FaultKind::JumpsAccumulate,
+                false => FaultKind::StepTooSmall,
+            });
         }
-        self.settle((t, x), sizes, switches)?;
-        if part == 0.0 && self.work.modes == before {
+        self.settle((t, x), sizes, (events, jumped))?;
+        if part == 0.0 && !jumps && self.work.modes == before {
             self.system.cross(&mut self.work, (switches, &sides), end);
             self.begin_step(t, x)?;
         }

@@ -20,6 +20,7 @@ impl Switches {
                 *row = form.row(right, *target);
             }
         }
+        switches.add_resets(&form.resets);
         if !switches.is_empty() {
             for (_, e) in &mut smooth.outputs {
                 let mut more = switches.clone();

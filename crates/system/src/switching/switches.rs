@@ -3,6 +3,8 @@
 //! In: expressions. Out: their guards, each once, and the expressions with σ in place of `sign(g)`, (1 + σ)/2 of `step(g)`, σ·g of
 //! `abs(g)`; `min` and `max` are those of two, by the sign of the difference.
 
+use super::modes::Mode;
+use sidc_lang::model::Reset;
 use sidc_lang::term::{Atom, Expr, Func, Signal, Smoothness, Term, VarId};
 
 /// Guards and the signals that stand for their switches.
@@ -10,8 +12,20 @@ use sidc_lang::term::{Atom, Expr, Func, Signal, Smoothness, Term, VarId};
 pub struct Switches {
     /// Where each is zero, a law switches.
     pub guards: Vec<Expr>,
-    /// Whether a law jumps there and does not only bend.
+    /// Whether a law or a state jumps there, and a law does not only bend.
     pub jumps: Vec<bool>,
+    /// What states do there.
+    pub resets: Vec<ResetMap>,
+}
+
+/// States that jump where a guard leaves one of its sides.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResetMap {
+    pub switch: usize,
+    /// The side that it leaves.
+    pub leaves: Mode,
+    /// Each signal with its value after the jump.
+    pub jumps: Vec<(Signal, Expr)>,
 }
 
 /// Functions that may have no value where their argument is continued across a bend.
@@ -183,6 +197,26 @@ impl Switches {
         Some((lead, guard.clone().scale(1.0 / lead)))
     }
 
+    /// Adds the guards at which states jump. A condition that never changes is left out.
+    pub fn add_resets(&mut self, resets: &[Reset]) {
+        for reset in resets {
+            let guard = reset.condition.guard();
+            if guard.as_number().is_some() {
+                continue;
+            }
+            let Some((lead, canonical)) = Switches::canonical(&guard) else {
+                continue;
+            };
+            let switch = self.place_of(canonical);
+            self.jumps[switch] = true;
+            self.resets.push(ResetMap {
+                switch,
+                leaves: Mode::of(lead),
+                jumps: reset.jumps.clone(),
+            });
+        }
+    }
+
     /// σ of a guard, with the sign of its multiple that is listed.
     fn side_of(&mut self, guard: &Expr, jumps: bool) -> Expr {
         if let Some(value) = guard.as_number() {
@@ -191,14 +225,19 @@ impl Switches {
         let Some((lead, canonical)) = Switches::canonical(guard) else {
             return Expr::zero();
         };
+        let place = self.place_of(canonical);
+        self.jumps[place] |= jumps;
+        Expr::signal(Switches::signal(place)).scale(lead.signum())
+    }
+
+    /// The place of a guard, which is added if it is new.
+    fn place_of(&mut self, canonical: Expr) -> usize {
         let known = self.guards.iter().position(|g| *g == canonical);
-        let place = known.unwrap_or_else(|| {
+        known.unwrap_or_else(|| {
             self.guards.push(canonical);
             self.jumps.push(false);
             self.guards.len() - 1
-        });
-        self.jumps[place] |= jumps;
-        Expr::signal(Switches::signal(place)).scale(lead.signum())
+        })
     }
 }
 

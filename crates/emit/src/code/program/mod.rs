@@ -141,8 +141,14 @@ impl Function {
 
 impl Program {
     /// # Errors
-    /// An equation mentions a signal that is no argument.
+    /// An equation mentions a signal that is no argument, or states jump.
     pub fn new(d: &Discovery) -> Result<Program, String> {
+        if let Some(reset) = d.resets.first() {
+            return Err(format!(
+                "no exported code lets states jump yet: `{}`; `sidc simulate` runs it",
+                reset.text(d)
+            ));
+        }
         let form = Form::symbolic(d);
         let named = |s: &Signal| (*s, d.name(*s));
         let groups = [

@@ -3,7 +3,7 @@
 //! In: the switches of a form. Out: one list of operations for the guards and their gradients. Evaluates nothing.
 
 use crate::discovery::Form;
-use crate::switching::Switches;
+use crate::switching::{Mode, ResetMap, Switches};
 use sidc_lang::term::{Expr, PointTape, Signal};
 
 /// Guards and their gradients, compiled.
@@ -18,6 +18,19 @@ pub(crate) struct CompiledSwitches {
     pub(super) by_input: Vec<(usize, usize)>,
     /// Guards that move with time alone.
     pub(super) by_time: Vec<usize>,
+    /// Where states jump.
+    pub(super) resets: Vec<CompiledReset>,
+}
+
+/// States that jump where a guard leaves one of its sides.
+#[derive(Clone, Debug)]
+pub(crate) struct CompiledReset {
+    pub(super) switch: usize,
+    pub(super) leaves: Mode,
+    /// The states that jump.
+    pub(super) states: Vec<usize>,
+    /// Their values after it.
+    pub(super) values: PointTape,
 }
 
 impl CompiledSwitches {
@@ -46,16 +59,36 @@ impl CompiledSwitches {
         let by_state = slopes(&form.state);
         let by_input = slopes(&form.inputs);
         let by_time = slopes(&[Signal::TIME]);
+        let resets = switches.resets.iter();
+        let resets = resets.map(|r| CompiledReset::new(r, form, signals));
         Ok(Some(CompiledSwitches {
             count: switches.len(),
             tape: PointTape::new(&outputs, signals)?,
             by_state,
             by_input,
             by_time: by_time.into_iter().map(|(k, _)| k).collect(),
+            resets: resets.collect::<Result<_, Signal>>()?,
         }))
     }
 
     pub fn slots(&self) -> Vec<f64> {
         self.tape.slots()
+    }
+}
+
+impl CompiledReset {
+    fn new(reset: &ResetMap, form: &Form, signals: &[Signal]) -> Result<CompiledReset, Signal> {
+        let (mut states, mut values) = (Vec::new(), Vec::new());
+        for (signal, value) in &reset.jumps {
+            let state = form.state.iter().position(|s| s == signal);
+            states.push(state.ok_or(*signal)?);
+            values.push(value.clone());
+        }
+        Ok(CompiledReset {
+            switch: reset.switch,
+            leaves: reset.leaves,
+            states,
+            values: PointTape::new(&values, signals)?,
+        })
     }
 }

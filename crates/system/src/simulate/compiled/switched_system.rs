@@ -6,11 +6,11 @@
 use nalgebra::DMatrix;
 
 use crate::discovery::Form;
-use crate::simulate::compiled::compiled_switches::CompiledSwitches;
+use crate::simulate::compiled::compiled_switches::{CompiledReset, CompiledSwitches};
 use crate::simulate::compiled::compiled_system::{CompiledSystem, Workspace};
 use crate::simulate::fault::FaultKind;
 use crate::switching::thresholds::SWITCHING;
-use crate::switching::{GuardRates, Mode, SlidingRates, least_norm};
+use crate::switching::{GuardRates, Mode, Modes, SlidingRates, least_norm};
 
 impl CompiledSwitches {
     /// Guards at the point in the slots of `work`.
@@ -166,16 +166,17 @@ impl CompiledSystem {
     }
 
     /// Sets the sides of all switches at a point. Guards at zero, sliding ones and those of `events` are decided by the rates that the
-    /// laws give there, all others by the sign of their guard. Moves `x` so that sliding guards are exactly zero.
+    /// laws give there, all others by the sign of their guard. Moves `x` so that sliding guards are exactly zero. Out come those that were
+    /// decided by rates.
     pub fn settle(
         &self,
         work: &mut Workspace,
         (t, x): (f64, &mut [f64]),
         sizes: &[f64],
         events: &[usize],
-    ) -> Result<(), FaultKind> {
+    ) -> Result<Vec<usize>, FaultKind> {
         let Some(switches) = &self.switches else {
-            return Ok(());
+            return Ok(Vec::new());
         };
         let given = 1 + self.states() + self.given();
         work.slots[0] = t;
@@ -196,14 +197,76 @@ impl CompiledSystem {
             }
         }
         if contacts.is_empty() {
-            return Ok(());
+            return Ok(contacts);
         }
-        self.decide(switches, work, contacts)?;
+        self.decide(switches, work, contacts.clone())?;
         let sliding: Vec<usize> = work.modes.sliding().collect();
         for k in sliding {
             project(switches, work, k, x);
         }
-        Ok(())
+        Ok(contacts)
+    }
+
+    /// Switches that left the side at which states jump, since `before`: between two samples of an input that jumps, or at the very start
+    /// of a run, where the guard is zero.
+    pub fn left_sides(&self, work: &Workspace, before: &Modes, contacts: &[usize]) -> Vec<usize> {
+        let resets = self.switches.iter().flat_map(|s| &s.resets);
+        let left = resets.filter(|r| {
+            let k = r.switch;
+            let was_there = match before.0[k] {
+                Mode::Level => contacts.contains(&k),
+                mode => mode == r.leaves,
+            };
+            was_there && work.modes.0[k].side() == -r.leaves.side()
+        });
+        left.map(|r| r.switch).collect()
+    }
+
+    /// Lets the states jump where switches leave their sides, and takes out of `events` those whose guards the jump moved away from zero.
+    /// Out come the switches at which states jumped.
+    pub fn reset(
+        &self,
+        work: &mut Workspace,
+        (t, x): (f64, &mut [f64]),
+        sizes: &[f64],
+        events: &mut Vec<usize>,
+    ) -> Vec<usize> {
+        let Some(switches) = &self.switches else {
+            return Vec::new();
+        };
+        let given = 1 + self.states() + self.given();
+        let leaves = |r: &&CompiledReset| {
+            let mode = work.modes.0[r.switch];
+            events.contains(&r.switch) && (mode == r.leaves || mode == Mode::Level)
+        };
+        let resets: Vec<&CompiledReset> = switches.resets.iter().filter(leaves).collect();
+        let jumped: Vec<usize> = resets.iter().map(|r| r.switch).collect();
+        if jumped.is_empty() {
+            return jumped;
+        }
+        work.slots[0] = t;
+        work.slots[1..=x.len()].copy_from_slice(x);
+        switches.run(work, given);
+        let guards = |work: &Workspace| -> Vec<f64> {
+            let all = 0..switches.count;
+            all.map(|k| switches.value(work, k)).collect()
+        };
+        let before = guards(work);
+        for reset in resets {
+            let mut slots = reset.values.slots();
+            slots[..given].copy_from_slice(&work.slots[..given]);
+            reset.values.run(&mut slots);
+            for (state, slot) in reset.states.iter().zip(&reset.values.outputs) {
+                x[*state] = slots[*slot];
+            }
+        }
+        work.slots[1..=x.len()].copy_from_slice(x);
+        work.known = false;
+        switches.run(work, given);
+        let after = guards(work);
+        let stays = |k: &usize| (after[*k] - before[*k]).abs() <= SWITCHING.drift * sizes[*k];
+        events.retain(stays);
+        jumped
     }
 
     /// Puts these switches on the side that their guard has at `end`; a sliding switch on the side at which its σ left [−1, 1].

@@ -101,7 +101,8 @@ impl Integration<'_> {
         self.right_side
             .set_inputs(drives.iter().map(|d| d.line(sampled, t)));
         self.explicit.restart();
-        let settled = self.right_side.settle((t, &mut self.x), &guard.sizes, &[]);
+        let none = (Vec::new(), Vec::new());
+        let settled = (self.right_side).settle((t, &mut self.x), &guard.sizes, none);
         settled.map_err(|kind| (kind, t))
     }
 

@@ -1,0 +1,110 @@
+//! States that jump, against closed forms.
+
+use super::*;
+use sidc_lang::model::{Condition, Reset};
+
+fn below(left: Expr, right: Expr, jumps: Vec<(Signal, Expr)>) -> Reset {
+    Reset {
+        condition: Condition {
+            left,
+            is_above: false,
+            right,
+        },
+        jumps,
+    }
+}
+
+fn with_resets(system: &CompiledSystem, resets: Vec<Reset>) -> CompiledSystem {
+    let form = Form {
+        resets,
+        ..system.form.clone()
+    };
+    CompiledSystem::new(form).unwrap()
+}
+
+/// A ball that leaves a rigid floor with 0.8 of its speed.
+#[test]
+fn a_ball_bounces() {
+    const G: f64 = 9.81;
+    let speed = Signal::derivative(VarId(1), 1);
+    let bounce = below(
+        position(0),
+        number(0.0),
+        vec![(speed, velocity(0).scale(-0.8))],
+    );
+    let ball = with_resets(&bodies(&[number(-G)]), vec![bounce]);
+    let known = |t: f64| {
+        let (mut from, mut y, mut v) = (0.0, 1.0, 0.5);
+        loop {
+            let flight = (v + f64::sqrt(v * v + 2.0 * G * y)) / G;
+            if t < from + flight {
+                let s = t - from;
+                return vec![y + v * s - 0.5 * G * s * s, v - G * s];
+            }
+            (from, y, v) = (from + flight, 0.0, -0.8 * (v - G * flight));
+        }
+    };
+    let time = instants(150, 0.02);
+    agree("ball", &ball, &time, &[0.0; 150], &[1.0, 0.5], &known);
+}
+
+/// A cell that charges towards its input and is discharged at 1; where the input takes the threshold below the charge, at once.
+#[test]
+fn a_cell_fires() {
+    let (x, threshold) = (position(0), Expr::signal(INPUT));
+    let fire = below(
+        threshold,
+        x.clone(),
+        vec![(Signal::new(VarId(1)), number(-0.5))],
+    );
+    let mut cell = first_order(number(2.0) - x);
+    cell.form.inputs = vec![INPUT];
+    let cell = with_resets(&cell, vec![fire]);
+    let time = instants(40, 0.1);
+    let input: Vec<f64> = (0..40).map(|k| if k == 22 { 0.2 } else { 1.0 }).collect();
+    let known = |t: f64| {
+        let (mut from, mut charge) = (0.0, 0.0);
+        loop {
+            let fires = from + f64::ln((2.0 - charge) / (2.0 - 1.0));
+            let at = |s: f64| 2.0 - (2.0 - charge) * f64::exp(from - s);
+            let forced = from < 2.2 && fires > 2.2 && at(2.2) > 0.2;
+            let until = if forced { 2.2 } else { fires };
+            if t < until {
+                return vec![at(t)];
+            }
+            (from, charge) = (until, -0.5);
+        }
+    };
+    agree("cell", &cell, &time, &input, &[0.0], &known);
+}
+
+/// Jumps without end in no time are named.
+#[test]
+fn a_ball_that_stays_on_the_floor_ends_the_run() {
+    let speed = Signal::derivative(VarId(1), 1);
+    let stop = below(position(0), number(0.0), vec![(speed, number(0.0))]);
+    let ball = with_resets(&bodies(&[number(-9.81)]), vec![stop]);
+    let time = instants(50, 0.02);
+    let mut observer = Unwatched;
+    let names = ball.form.state.clone();
+    let mut guard = Guard::new(vec![1.0; 2], vec![1e6; 2], names, 1_000_000, &mut observer);
+    let leg = LegSetup {
+        system: &ball,
+        drives: &[InputSource::SampledInput(
+            SampledInput::new(&time, &[0.0; 50], Between::Hold, 0.0).unwrap(),
+        )],
+        time: &time,
+        sampled: &time,
+        params: &[],
+        guess: &[0.0],
+        method: Method::Explicit,
+        step: None,
+    };
+    let path = integrate(&leg, &[0.1, 0.0], &mut guard);
+    let fault = path.fault.unwrap();
+    assert_eq!(fault.kind.code(), "jumps-accumulate");
+    assert!(
+        (fault.time - f64::sqrt(0.2 / 9.81)).abs() < 1e-9,
+        "{fault:?}"
+    );
+}
