@@ -122,6 +122,8 @@ pub fn measure(
     if let Err(why) = &joint {
         if let Some((_, hidden)) = model.hidden_states().next() {
             diagnostics.push(not_hidden(model, hidden, &why.because));
+        } else if !model.resets.is_empty() {
+            diagnostics.push(not_with_resets(&why.because));
         } else if !model.per_run.is_empty() {
             diagnostics.push(not_per_run(model, &why.because));
         } else if let Some(sought) = delays::search_unavailable(model, &why.because) {
@@ -249,6 +251,15 @@ fn is_required(program: &Program, copy: &TargetCopy) -> bool {
         .get(copy.equation)
         .and_then(Option::as_ref);
     library.is_some_and(|l| l.required().contains(&copy.slot))
+}
+
+/// Derivatives estimated across a jump are those of no law.
+fn not_with_resets(why: &str) -> Diagnostic {
+    let message = format!(
+        "states jump (`when`), so the equations are estimated together with the trajectory, and here they are not: {why}"
+    );
+    Diagnostic::error("resets-not-estimated", message)
+        .help("leave out what asks for another method, or the lines with `when`")
 }
 
 fn not_per_run(model: &Model, why: &str) -> Diagnostic {

@@ -73,6 +73,7 @@ pub fn thresholds() -> Vec<sidc_thresholds::Table> {
         uncertainty::thresholds::tables(),
         trajectory::tables(),
         trajectory::hidden_states::thresholds::tables(),
+        trajectory::model::thresholds::tables(),
         trajectory::structural::thresholds::tables(),
         weak_form::tables(),
         scaled_design::thresholds::tables(),

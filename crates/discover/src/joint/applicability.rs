@@ -48,8 +48,12 @@ pub fn joint(
 ) -> Result<Problem, NotJoint> {
     let by_run = !model.per_run.is_empty();
     let hidden = model.hidden_states().next().is_some();
-    let needed =
-        by_run || hidden || model.has_unknown_delays() || model.noisy_inputs().next().is_some();
+    let jumps = !model.resets.is_empty();
+    let needed = by_run
+        || hidden
+        || jumps
+        || model.has_unknown_delays()
+        || model.noisy_inputs().next().is_some();
     let asked = options.method == Method::Joint || needed && options.method == Method::Auto;
     if by_run && !model.constraints.is_empty() {
         return Err(NotJoint::fine("coefficients are constrained"));

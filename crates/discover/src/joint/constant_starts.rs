@@ -11,7 +11,8 @@ use crate::regression::thresholds::WEAK_FORM;
 use crate::regression::uncoupled::{at_once, map_equations};
 use crate::trajectory::{
     CONSTANTS, FittedConstants, Problem, StartingSupport, constants_by_runs,
-    fit_constants_by_levels, fit_constants_from, likely_constants, value_from,
+    fit_constants_by_levels, fit_constants_from, fit_constants_of_jumps, likely_constants,
+    value_from, with_constants_of_jumps,
 };
 use crate::unknown_constants::{self, MinimaSought, SearchedConstant};
 use sidc_data::{Dataset, Samples, samples};
@@ -39,7 +40,7 @@ pub(crate) fn constant_starts(
         }
         let mut starts: Vec<Constants> = Vec::new();
         for values in &minima {
-            let mut start = Constants::new(&all, values, &[]);
+            let mut start = Constants::new(&all, &from_jumps(problem, &all, values), &[]);
             start.refine_with_hidden_states(problem, watcher);
             // Starts that lead to the same values are tried once.
             if !starts.iter().any(|s| s.is_at(&start)) {
@@ -59,9 +60,19 @@ pub(crate) fn constant_starts(
     let data = (dataset, problem);
     let mut starts = scanned(of, data, (&all, &points), options, watcher);
     starts.extend(minima);
+    for values in &mut starts {
+        *values = from_jumps(problem, &all, values);
+    }
     let minima = likeliest(of, data, (&all, starts), options, watcher);
     let starts = minima.iter();
     starts.map(|v| Constants::new(&all, v, &points)).collect()
+}
+
+/// The values, those of constants that act where states jump as the readings show them there.
+fn from_jumps(problem: &Problem, all: &[SearchedConstant], values: &[f64]) -> Vec<f64> {
+    let constants = Constants::new(all, values, &[]);
+    let moved = with_constants_of_jumps(problem, constants.sought());
+    moved.iter().map(|c| c.value).collect()
 }
 
 /// Values of the constants at which the measured laws, with guessed hidden states, follow the readings best. Constants that differ between
@@ -176,6 +187,13 @@ fn likeliest(
             let at = constants.problem(problem);
             refined(fit_constants_by_levels(&at, constants.sought(), watcher))
         }),
+        false if !problem.system.resets.is_empty() => {
+            at_each(points, problem, options, watcher, |values, watcher| {
+                let constants = Constants::new(all, &values, &[]);
+                let at = constants.problem(problem);
+                refined(fit_constants_of_jumps(&at, constants.sought(), watcher))
+            })
+        }
         false => {
             let guesses = guessed(of, (dataset, problem), (all, points), options, watcher);
             raced(guesses, problem, (all, most), options, watcher)

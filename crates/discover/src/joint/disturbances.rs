@@ -60,6 +60,10 @@ fn disturbed<'a>(
         let fit = search_with_disturbances(&noisy, (answer.map(|a| &a.fit), 0.0), watcher)?;
         return watcher.stop().is_none().then_some(fit);
     }
+    // A disturbance would explain jumps that are off their place.
+    if !problem.system.resets.is_empty() {
+        return None;
+    }
     let settled = |a: &ConstrainedAnswer| {
         a.free.is_some() || a.fit.white_noise_answer.is_none() && explained(&a.fit)
     };

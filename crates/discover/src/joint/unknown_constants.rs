@@ -10,11 +10,11 @@ use crate::joint::named_correlations::named_correlations;
 use crate::trajectory::{
     Answer, FittedConstants, Found, HIDDEN, Parameter, Problem, Rival, SoughtConstant,
     fit_constants, fit_constants_by_levels, fit_proposed, laws_with_constants,
-    unidentifiable_directions, with_constant_values, with_started_states,
+    unidentifiable_directions, with_constant_values, with_flown_states, with_started_states,
 };
 use crate::unknown_constants::{self, SearchedConstant};
 use sidc_data::{ConstantValue, Dataset};
-use sidc_lang::model::Model;
+use sidc_lang::model::{Model, Reset};
 use sidc_lang::term::{Language, Signal, SignalNames};
 use sidc_progress::EquationObserver;
 use sidc_system::discovery::{Discovery, UnknownValue};
@@ -154,7 +154,9 @@ impl Constants {
         watcher: &mut EquationObserver,
     ) -> Cow<'a, Problem> {
         let at = self.problem(problem);
+        let flies = !at.system.resets.is_empty();
         match at.system.hidden.is_empty() {
+            true if flies => Cow::Owned(with_flown_states(&at, watcher)),
             true => at,
             false => Cow::Owned(with_started_states(&at, most, watcher)),
         }
@@ -205,7 +207,8 @@ impl Constants {
         }
         let used = |s: Signal| {
             let mut terms = discovery.equations.iter().flat_map(|e| &e.terms);
-            terms.any(|t| t.term.mentions(s))
+            let mut resets = discovery.resets.iter().flat_map(Reset::expressions);
+            terms.any(|t| t.term.mentions(s)) || resets.any(|e| e.mentions(s))
         };
         let told = self
             .sought

@@ -26,8 +26,8 @@ pub(crate) fn weak_start(
     options: &Options,
     watcher: &mut EquationObserver,
 ) -> Option<StartingSupport> {
-    if !problem.system.hidden.is_empty() {
-        // The weak form needs readings of every state.
+    if !problem.system.hidden.is_empty() || !problem.system.resets.is_empty() {
+        // The weak form needs readings of every state, and integrals that cross no jump.
         return problem.proposed_columns();
     }
     from_weak_form(of, (dataset, problem), options, |weak| {
@@ -82,6 +82,10 @@ fn from_weak_form<A>(
         method: Method::Weak,
         ..*options
     };
+    // Its integrals would cross the jumps of the states.
+    if !problem.system.resets.is_empty() {
+        return None;
+    }
     if problem.searched_in_parts() || !problem.run_columns.is_empty() {
         return None;
     }

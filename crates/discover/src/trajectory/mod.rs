@@ -49,7 +49,7 @@ pub(crate) mod hidden_states;
 mod integration;
 mod least_squares;
 mod likelihood;
-mod model;
+pub(crate) mod model;
 mod pooling;
 mod residuals;
 mod search;
@@ -81,9 +81,10 @@ pub(crate) use search::minimum;
 pub use search::{
     Answer, BetterLaws, FittedConstants, Found, LawChange, Parameter, Rival, SearchObserver,
     SoughtConstant, StartingSupport, error_correlations, fit_constants, fit_constants_by_levels,
-    fit_constants_from, laws_with_constants, search, search_beyond_libraries, search_disturbed,
-    search_from_fit, unidentifiable_directions, value_by_innovations, value_from,
-    with_constant_values,
+    fit_constants_from, fit_constants_of_jumps, laws_with_constants, search,
+    search_beyond_libraries, search_disturbed, search_from_fit, unidentifiable_directions,
+    value_by_innovations, value_from, with_constant_values, with_constants_of_jumps,
+    with_flown_states,
 };
 pub(crate) use sensor_faults::sampling_interval;
 pub use sensor_faults::{

@@ -10,6 +10,7 @@ use super::thresholds::HIDDEN;
 use crate::trajectory::likelihood::fit;
 use crate::trajectory::model::{CoefficientConstraints, LinearizationPoint, Problem};
 use crate::trajectory::search::{Found, last_criterion};
+use sidc_lang::model::Reset;
 use sidc_lang::term::{Atom, Expr, Signal, Term, VarId};
 use sidc_progress::Observer;
 use sidc_solve::{LinearConstraint, Sense};
@@ -38,13 +39,19 @@ fn power_in(term: &Term, var: VarId) -> Option<f64> {
 pub(super) fn is_free(problem: &Problem, l: usize) -> bool {
     let system = &problem.system;
     let var = system.laws[l].target.var;
-    let silent = |e: &Expr| {
+    let silent = |e: &Expr| -> bool {
         let mut found = false;
         e.for_each_signal(&mut |s| found |= s.var == var);
         !found
     };
     let own = &system.laws[l];
     let homogeneous = |e: &Expr| e.terms().all(|(_, t)| power_in(t, var) == Some(1.0));
+    // A jump to a number has that number's scale.
+    let sets =
+        |r: &Reset| r.jumps.iter().any(|(s, _)| s.var == var) || !r.expressions().all(silent);
+    if system.resets.iter().any(sets) {
+        return false;
+    }
     let mut others = (0..system.laws.len()).filter(|other| *other != l);
     homogeneous(&own.known)
         && others.all(|other| silent(&system.laws[other].known))

@@ -101,8 +101,7 @@ impl CompiledLaws {
             laws.push(l);
         }
         let mut switches = None;
-        if let Some((smooth, found)) = LawSwitches::of(&values, (&inputs, &system.impulses), (n, m))
-        {
+        if let Some((smooth, found)) = LawSwitches::of(&values, system, &inputs) {
             values = smooth;
             inputs.extend(found.signals());
             switches = Some(found);

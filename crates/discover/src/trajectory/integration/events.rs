@@ -6,7 +6,7 @@
 
 use nalgebra::DMatrix;
 
-use super::compiled_laws::{Diverged, LocalLinearization};
+use super::compiled_laws::Diverged;
 use super::law_switches::LawSwitches;
 use super::parameter_sensitivity::{propagate, scatter};
 use super::shooting::{IntervalBlock, ShootingIntegrator, values};
@@ -19,35 +19,38 @@ use sidc_system::switching::thresholds::SWITCHING;
 use sidc_system::switching::{Located, Mode, Modes, SlidingRates, locate};
 
 /// How a guard is reached.
-struct Arrival {
+pub(super) struct Arrival {
+    /// The guard: 0, but where a jump is late or early.
+    pub guard: f64,
+    /// Whether it is zero less than an interval from here.
+    pub is_near: bool,
     /// ż before the event.
-    flow: Vec<f64>,
+    pub flow: Vec<f64>,
     /// ġ along it.
-    rate: f64,
+    pub rate: f64,
     /// ∂g/∂z.
-    gradient: Vec<f64>,
-}
-
-/// What a unit impulse of a guard does.
-struct ImpulseEffect {
-    /// What a unit of each law's right side adds to the states, states × laws.
-    gains: Vec<f64>,
-    /// Factors of the impulse in the columns of U, and in the active ones.
-    columns: Vec<f64>,
-    active: Vec<f64>,
+    pub gradient: Vec<f64>,
+    /// ∂g by each exogenous signal.
+    pub by_exogenous: Vec<f64>,
+    /// Rates of these.
+    pub exogenous_rates: Vec<f64>,
 }
 
 /// One interval on its way from event to event.
 pub(super) struct Passage<'a> {
-    integrator: &'a ShootingIntegrator<'a>,
-    switches: &'a LawSwitches,
-    group: StepGroup<'a>,
+    pub(super) integrator: &'a ShootingIntegrator<'a>,
+    pub(super) switches: &'a LawSwitches,
+    pub(super) group: StepGroup<'a>,
     pub modes: Modes,
     pub sides: Vec<f64>,
     /// How far it has come, 0 to 1.
     part: f64,
     /// Events that are still allowed.
     events_left: usize,
+    /// Whether states jump where the model says so.
+    may_jump: bool,
+    /// Whether any did.
+    pub(super) has_jumped: bool,
 }
 
 impl ShootingIntegrator<'_> {
@@ -65,21 +68,74 @@ impl ShootingIntegrator<'_> {
         let Some(switches) = &self.laws.switches else {
             return Ok(());
         };
-        let (n, p) = (self.laws.states, self.width());
-        out.columns[slot * n * p..(slot + 1) * n * p].fill(0.0);
-        let group = StepGroup::of_one(record, (interval, slot));
-        let mut passage = Passage::start((self, switches), group, states, work)?;
-        passage.begin_piece(work)?;
-        while passage.part < 1.0 {
-            passage.step(work, out)?;
+        let of = ((self, switches), record, (interval, slot));
+        let n = self.laws.states;
+        let next = &states[(interval + 1) * n..(interval + 2) * n];
+        let passage = Passage::run(of, states, true, work, out)?;
+        if switches.resets.is_empty() {
+            return Ok(());
         }
-        scatter(&work.points[0][..n], &[slot], &mut out.end);
-        scatter(&work.reached, &[slot], &mut out.transition);
+        let jumped = self.distance(&out.end[slot * n..(slot + 1) * n], next);
+        if !passage.has_jumped {
+            return passage.jump_early(next, jumped, work, out);
+        }
+        // Where a jump falls next to a sample, the estimate of the state there may be on its other side: it tells in which of the two
+        // intervals the states jump.
+        Passage::run(of, states, false, work, out)?;
+        if self.distance(&out.end[slot * n..(slot + 1) * n], next) > jumped {
+            Passage::run(of, states, true, work, out)?;
+        }
         Ok(())
+    }
+
+    /// Σ ((a − b)/spread)²
+    pub(super) fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
+        let pairs = a.iter().zip(b).zip(self.spread);
+        pairs
+            .map(|((a, b), spread)| ((a - b) / spread).powi(2))
+            .sum()
     }
 }
 
+/// The laws, a record, an interval with its slot.
+type IntervalOf<'a> = (
+    (&'a ShootingIntegrator<'a>, &'a LawSwitches),
+    &'a Record,
+    (usize, usize),
+);
+
 impl<'a> Passage<'a> {
+    /// Passes an interval, and writes what it gives at its slot.
+    fn run(
+        (laws, record, (interval, slot)): IntervalOf<'a>,
+        states: &[f64],
+        may_jump: bool,
+        work: &mut Workspace,
+        out: &mut IntervalBlock,
+    ) -> Result<Passage<'a>, Diverged> {
+        let (n, p) = (laws.0.laws.states, laws.0.width());
+        out.columns[slot * n * p..(slot + 1) * n * p].fill(0.0);
+        let group = StepGroup::of_one(record, (interval, slot));
+        let mut passage = Passage::start(laws, group, states, work)?;
+        passage.may_jump = may_jump;
+        passage.begin_piece(work)?;
+        if may_jump {
+            passage.jump_late(work, out)?;
+        }
+        while passage.part < 1.0 {
+            passage.step(work, out)?;
+        }
+        passage.write(work, out);
+        Ok(passage)
+    }
+
+    /// Writes the present point and T at the slot.
+    pub(super) fn write(&self, work: &Workspace, out: &mut IntervalBlock) {
+        let n = self.integrator.laws.states;
+        scatter(&work.points[0][..n], &self.group.slots, &mut out.end);
+        scatter(&work.reached, &self.group.slots, &mut out.transition);
+    }
+
     /// An interval whose contacts are decided; its first point is that of the workspace, and `reached` its derivative by the state.
     pub fn start(
         (integrator, switches): (&'a ShootingIntegrator<'a>, &'a LawSwitches),
@@ -95,6 +151,8 @@ impl<'a> Passage<'a> {
             sides: vec![0.0; switches.len()],
             part: 0.0,
             events_left: SWITCHING.at_once,
+            may_jump: true,
+            has_jumped: false,
         };
         integrator.place(&passage.group, states, work);
         passage.settle_at_start(work)?;
@@ -144,7 +202,7 @@ impl<'a> Passage<'a> {
     }
 
     /// Rates and derivatives at the present point, with the present sides.
-    fn begin_piece(&mut self, work: &mut Workspace) -> Result<(), Diverged> {
+    pub(super) fn begin_piece(&mut self, work: &mut Workspace) -> Result<(), Diverged> {
         self.group.sliding = self.modes.sliding().collect();
         let point = &mut work.points[0];
         point[self.switches.first..].copy_from_slice(&self.sides);
@@ -267,6 +325,9 @@ impl<'a> Passage<'a> {
     ) -> Result<(), Diverged> {
         self.events_left = self.events_left.checked_sub(1).ok_or(Diverged)?;
         let old = self.modes.0[switch];
+        if self.may_jump && self.jumps_at(switch, old) {
+            return self.pass_jump((switch, old), work, out);
+        }
         let arrival = self.arrival(switch, work)?;
         let impulse = self.impulse(switch, work)?;
         self.take_sides(switch, beyond, work)?;
@@ -283,13 +344,43 @@ impl<'a> Passage<'a> {
     }
 
     /// How the present point was reached.
-    fn arrival(&self, switch: usize, work: &mut Workspace) -> Result<Arrival, Diverged> {
+    pub(super) fn arrival(&self, switch: usize, work: &mut Workspace) -> Result<Arrival, Diverged> {
+        Ok(Arrival {
+            // What rounding leaves of a guard at its event is none.
+            guard: 0.0,
+            is_near: true,
+            ..self.arrival_near(switch, 0.0, work)?
+        })
+    }
+
+    /// The same of a guard that need not be zero there, in an interval of this length.
+    pub(super) fn arrival_near(
+        &self,
+        switch: usize,
+        length: f64,
+        work: &mut Workspace,
+    ) -> Result<Arrival, Diverged> {
+        let mut guards = Vec::new();
+        self.switches
+            .guards(&work.points[0], 1, &mut guards, &mut work.tape);
+        let record = self.group.record;
+        let at = (self.group.intervals[0], self.part);
+        let exogenous_rates = 0..record.exogenous.len();
+        let exogenous_rates = exogenous_rates.map(|x| record.exogenous_rate_at(x, at.0, at.1));
+        let exogenous_rates: Vec<f64> = exogenous_rates.collect();
         let (point, scratch) = (&mut work.points[0], &mut work.scratch);
         let laws = (self.integrator).at_point(&self.group, self.part, point, scratch);
         let mut laws = laws.ok_or(Diverged)?;
         let flow = laws.flow(&self.sides)?;
+        let width = exogenous_rates.len();
+        let by_exogenous = &laws.gradients.by_exogenous[switch * width..(switch + 1) * width];
+        let (guard, rate) = (guards[switch], laws.rate(switch, &flow));
         Ok(Arrival {
-            rate: laws.rate(switch, &flow),
+            guard,
+            is_near: guard.abs() <= length * rate.abs(),
+            by_exogenous: by_exogenous.to_vec(),
+            exogenous_rates,
+            rate,
             gradient: laws.gradients.of(switch, flow.len()).to_vec(),
             flow,
         })
@@ -313,6 +404,32 @@ impl<'a> Passage<'a> {
         Ok(())
     }
 
+    /// Decides the sides after the states jumped at a switch whose guard had this value: by the rates where guards are at zero, or the jump
+    /// left the guard of the switch as it was; else by the sides on which the guards are.
+    pub(super) fn take_sides_after_jump(
+        &mut self,
+        switch: usize,
+        before: f64,
+        work: &mut Workspace,
+    ) -> Result<(), Diverged> {
+        let mut guards = Vec::new();
+        let point = &work.points[0];
+        self.switches.guards(point, 1, &mut guards, &mut work.tape);
+        let gradients = self.switches.gradients(point);
+        let spread = self.integrator.spread;
+        let mut contacts = Vec::new();
+        for (k, guard) in guards.iter().enumerate() {
+            let stays = k == switch && gradients.is_on(k, guard - before, spread);
+            let slides = matches!(self.modes.0[k], Mode::Sliding | Mode::Level);
+            match stays || slides && gradients.is_on(k, *guard, spread) {
+                true => contacts.push(k),
+                false => self.modes.0[k] = Mode::of(*guard),
+            }
+        }
+        self.sides = self.modes.0.iter().map(|m| m.side()).collect();
+        self.decide(contacts, work)
+    }
+
     /// Multiplies T and U by the saltation matrix of an event at the present point.
     fn apply_saltation(&self, before: &Arrival, work: &mut Workspace, out: &mut IntervalBlock) {
         let n = before.flow.len();
@@ -329,73 +446,5 @@ impl<'a> Passage<'a> {
         let (slots, size) = (&self.group.slots, (n, self.integrator.width()));
         propagate(saltation, slots, size, &mut out.columns, &mut work.moved);
         work.transition.compose(&mut work.reached, n, 1);
-    }
-
-    /// What a unit of a guard's impulse in the columns does to the rates at the present point; `None` where no column has it.
-    fn impulse(
-        &self,
-        switch: usize,
-        work: &mut Workspace,
-    ) -> Result<Option<ImpulseEffect>, Diverged> {
-        let Some(row) = self.switches.impulse(switch) else {
-            return Ok(None);
-        };
-        let integrator = self.integrator;
-        let mut gains = Vec::new();
-        integrator.gain(&work.local[0], None, 1.0, &[1.0], &mut gains);
-        let (mut columns, mut active) = (Vec::new(), Vec::new());
-        let mut local = LocalLinearization::default();
-        for impulse in [0.0, 1.0] {
-            let mut point = work.points[0].clone();
-            point[row] = impulse;
-            let (a, scratch) = (integrator.coefficients, &mut work.scratch);
-            integrator
-                .laws
-                .evaluate(a, &mut point, 1, scratch, &mut local)?;
-            active.push(local.columns.clone());
-            columns.push(match integrator.all {
-                Some((tape, _)) => {
-                    let mut all = Vec::new();
-                    values(tape, &point, 1, &mut all, &mut work.tape);
-                    all
-                }
-                None => local.columns.clone(),
-            });
-        }
-        let grown = |of: &[Vec<f64>]| of[1].iter().zip(&of[0]).map(|(b, a)| b - a).collect();
-        Ok(Some(ImpulseEffect {
-            gains,
-            columns: grown(&columns),
-            active: grown(&active),
-        }))
-    }
-
-    /// Adds an impulse of this size to the states and to U.
-    fn add_impulse(
-        &mut self,
-        effect: &ImpulseEffect,
-        size: f64,
-        work: &mut Workspace,
-        out: &mut IntervalBlock,
-    ) -> Result<(), Diverged> {
-        let laws = self.integrator.laws;
-        let (n, m, p) = (laws.states, laws.laws, self.integrator.width());
-        let all = self.integrator.all.map(|(_, ranges)| ranges);
-        let ranges = all.unwrap_or(&laws.ranges);
-        let slot = self.group.slots[0];
-        for i in 0..n {
-            let u = &mut out.columns[(slot * n + i) * p..(slot * n + i + 1) * p];
-            let gains = &effect.gains[i * m..(i + 1) * m];
-            for ((gain, columns), active) in gains.iter().zip(ranges).zip(&laws.ranges) {
-                for j in columns.clone() {
-                    u[j] += size * gain * effect.columns[j];
-                }
-                for j in active.clone() {
-                    let own = effect.active[j] * self.integrator.coefficients[j];
-                    work.points[0][i] += size * gain * own;
-                }
-            }
-        }
-        self.begin_piece(work)
     }
 }

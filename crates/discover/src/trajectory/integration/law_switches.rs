@@ -3,7 +3,8 @@
 //! In: laws as written. Out: laws that are smooth while every switch keeps its side, guards and their gradients at points. A step across a
 //! bend errs by its square, which is more than exact readings and noise of 0.1 % allow.
 
-use crate::trajectory::model::Impulse;
+use super::state_jumps::StateJump;
+use crate::trajectory::model::{ImpulseSource, System};
 use crate::trajectory::thresholds::SHOOTING;
 use sidc_lang::term::{Expr, Signal, Tape, Term};
 use sidc_system::switching::{Mode, Modes, Switches};
@@ -19,6 +20,10 @@ pub(crate) struct LawSwitches {
     slopes: Tape,
     /// The row of each guard's impulse among those of points, where a column has it.
     impulses: Vec<Option<usize>>,
+    /// Of each constant that acts where states jump: the row of its impulse among those of points, and its place among exogenous signals.
+    pub jump_constants: Vec<(usize, usize)>,
+    /// Where states jump.
+    pub resets: Vec<StateJump>,
     /// Whether a guard depends on the states, and not on exogenous signals alone.
     follows_states: Vec<bool>,
     states: usize,
@@ -38,18 +43,20 @@ impl LawSwitches {
     /// The laws with their switches as further signals, if they have any. `signals`: states, rates, exogenous signals.
     pub fn of(
         values: &[Expr],
-        (signals, impulses): (&[Signal], &[Impulse]),
-        (states, laws): (usize, usize),
+        system: &System,
+        signals: &[Signal],
     ) -> Option<(Vec<Expr>, LawSwitches)> {
+        let (states, laws) = (system.states.len(), system.laws.len());
         // Most laws have none, and laws are compiled for every fit.
         let switch = |e: &Expr| e.terms().any(|(_, t)| Switches::are_in(t));
-        if !values.iter().any(switch) {
+        if system.resets.is_empty() && !values.iter().any(switch) {
             return None;
         }
         let mut switches = Switches::default();
         let rates = &signals[states..states + laws];
         let smooth = values.iter().map(|e| switches.rewritten(e, rates));
         let smooth: Vec<Expr> = smooth.collect();
+        switches.add_resets(&system.resets);
         if switches.is_empty() {
             return None;
         }
@@ -62,13 +69,26 @@ impl LawSwitches {
         let follows = |g: &Expr| signals[..states].iter().any(|s| g.mentions(*s));
         // Every signal of them is among the inputs, so the default is never taken.
         let tape = |all: &[Expr]| Tape::new(all, &inputs).unwrap_or_default();
+        let place = |signal: Signal| signals.iter().position(|s| *s == signal);
         let row = |g: &Expr| {
-            let own = impulses.iter().find(|i| i.guard == *g)?;
-            signals.iter().position(|s| *s == own.signal)
+            let is_own =
+                |source: &ImpulseSource| matches!(source, ImpulseSource::Guard(of) if of == g);
+            let own = system.impulses.iter().find(|i| is_own(&i.source))?;
+            place(own.signal)
         };
+        let jump_constants = system.impulses.iter().filter_map(|i| match i.source {
+            ImpulseSource::Jump(constant) => {
+                Some((place(i.signal)?, place(constant)? - states - laws))
+            }
+            ImpulseSource::Guard(_) => None,
+        });
+        let resets = switches.resets.iter();
+        let resets = resets.filter_map(|r| StateJump::new(r, (states, laws), (signals, &inputs)));
         let compiled = LawSwitches {
             impulses: switches.guards.iter().map(row).collect(),
             follows_states: switches.guards.iter().map(follows).collect(),
+            jump_constants: jump_constants.collect(),
+            resets: resets.collect(),
             first: signals.len(),
             guards: tape(&switches.guards),
             slopes: tape(&slopes),

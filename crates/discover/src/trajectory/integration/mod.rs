@@ -6,13 +6,16 @@
 mod batched_inverse;
 mod compiled_laws;
 mod event_detection;
+mod event_impulses;
 mod events;
+mod jump_events;
 mod law_switches;
 mod parameter_sensitivity;
 mod shooting;
 mod sliding;
 mod sliding_flow;
 mod sliding_intervals;
+mod state_jumps;
 mod state_transition;
 mod step_choice;
 mod step_group;

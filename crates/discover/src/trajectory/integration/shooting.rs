@@ -89,7 +89,7 @@ impl ShootingIntegrator<'_> {
         work.eventful.clear();
         let mut number = 1;
         if work.steps.iter().all(|s| *s == 1) {
-            self.run(&all, work, out)?;
+            self.run(&all, states, work, out)?;
             number = 2;
         }
         // An interval that turns out to want more steps comes again.
@@ -98,7 +98,7 @@ impl ShootingIntegrator<'_> {
             if !slots.is_empty() {
                 let group = StepGroup::new(record, intervals.start, slots, number);
                 self.begin(&group, states, work)?;
-                self.run(&group, work, out)?;
+                self.run(&group, states, work, out)?;
             }
             number *= 2;
         }
@@ -116,12 +116,14 @@ impl ShootingIntegrator<'_> {
     fn run(
         &self,
         group: &StepGroup,
+        states: &[f64],
         work: &mut Workspace,
         out: &mut IntervalBlock,
     ) -> Result<(), Diverged> {
         let (n, count) = (self.laws.states, group.count());
         work.reached.resize(n * n * count, 0.0);
         unit(&mut work.reached, n, count);
+        self.note_late_starts(group, work);
         for s in 0..group.steps {
             self.advance(group, s, work)?;
             self.linearise_step(group, s, work)?;
@@ -129,6 +131,7 @@ impl ShootingIntegrator<'_> {
             self.note_faster(group, work);
             self.accumulate(group, s > 0, work, out);
         }
+        self.note_missed_jumps(group, states, work);
         let ends = &work.points[0][..n * count];
         scatter(ends, &group.slots, &mut out.end);
         scatter(&work.reached, &group.slots, &mut out.transition);

@@ -4,6 +4,8 @@
 //! smoothed trajectories and integrated from sample to sample (Simpson's rule); these integrals are compared with the readings, each with
 //! its own noise. This is the weak form with all test functions at once. Chooses no terms.
 
+use std::ops::Range;
+
 use crate::trajectory::integration::INTERVALS_AT_ONCE;
 use crate::trajectory::least_squares::{
     CountSketch, InformationFilter, NormalEquations, ProcessEquation, RowSink, SketchedProblem,
@@ -12,12 +14,12 @@ use crate::trajectory::model::{Problem, Record, SmoothedTrajectory};
 use sidc_progress::Observer;
 use sidc_solve::QuadraticForm;
 
-/// Calls `take` with every sample and the process equation that starts there (`None` at the last sample). Returns `None` once `take`
+/// Calls `take` with each of some samples and the process equation that starts there (`None` at the last of them). Returns `None` once `take`
 /// says no.
 pub(crate) fn for_each_interval(
     problem: &Problem,
     record: &Record,
-    curve: &SmoothedTrajectory,
+    (curve, samples): (&SmoothedTrajectory, Range<usize>),
     take: &mut dyn FnMut(usize, Option<ProcessEquation>) -> bool,
 ) -> Option<()> {
     let system = &problem.system;
@@ -26,12 +28,12 @@ pub(crate) fn for_each_interval(
         system.laws.len(),
         problem.all.outputs(),
     );
-    let last = record.len() - 1;
+    let last = samples.end - 1;
     let mut columns = vec![0.0; n * p];
     let mut transition = vec![0.0; n * n];
     let mut defect = vec![0.0; n];
     let mut scratch = Scratch::default();
-    for k in 0..last {
+    for k in samples.start..last {
         let h = record.time[k + 1] - record.time[k];
         let nodes = [(0.0, 1.0), (0.5, 4.0), (1.0, 1.0)];
         evaluate(problem, record, curve, (k, h), &mut scratch);
@@ -179,17 +181,20 @@ impl Problem {
         for (r, (record, curve)) in self.records.iter().zip(&self.smoothed).enumerate() {
             let sigma = &sigma[self.sensors.of(r)];
             let stiffness: Vec<f64> = sigma.iter().map(|s| 1.0 / (slack * s)).collect();
-            let mut filter = InformationFilter::new(&stiffness, sink, None);
-            for_each_interval(self, record, curve, &mut |k, link| {
-                // The noise of a step swamps what lasts of a sensor's error.
-                let fresh = (r, k);
-                filter.measurement_update(&self.readings_at(fresh, &curve.states, sigma, k));
-                if let Some(link) = link {
-                    filter.time_update(&link, &[]);
-                }
-                k % INTERVALS_AT_ONCE > 0 || observer.go_on()
-            })?;
-            filter.end();
+            // No integral crosses a jump.
+            for flight in curve.flights(record.len()) {
+                let mut filter = InformationFilter::new(&stiffness, sink, None);
+                for_each_interval(self, record, (curve, flight), &mut |k, link| {
+                    // The noise of a step swamps what lasts of a sensor's error.
+                    let fresh = (r, k);
+                    filter.measurement_update(&self.readings_at(fresh, &curve.states, sigma, k));
+                    if let Some(link) = link {
+                        filter.time_update(&link, &[]);
+                    }
+                    k % INTERVALS_AT_ONCE > 0 || observer.go_on()
+                })?;
+                filter.end();
+            }
         }
         Some(())
     }

@@ -4,7 +4,7 @@
 //! of a guard is a signal that is zero along all records; integration gives it its effect where the guard is crossed.
 
 use super::estimation_problem::Problem;
-use super::system::Impulse;
+use super::system::{Impulse, ImpulseSource};
 use sidc_lang::term::{Atom, Expr, Signal, Term, VarId};
 use sidc_system::switching::Switches;
 
@@ -26,17 +26,22 @@ pub(crate) fn impulses_of(term: &Term, constant: Signal, impulses: &mut Vec<Impu
         if slope.as_number() == Some(0.0) {
             continue;
         }
-        let known = impulses.iter().find(|i| i.guard == guard);
-        let signal = known.map(|i| i.signal).unwrap_or_else(|| {
-            // No declared variable lags time.
-            let signal = Signal::shifted(VarId::TIME, -1 - impulses.len() as i32);
-            impulses.push(Impulse { signal, guard });
-            signal
-        });
+        let signal = impulse_of(ImpulseSource::Guard(guard), impulses);
         let others: Expr = term.part(|other| other != atom).into();
         sum = sum + others * slope * Expr::signal(signal).scale(height * lead.signum());
     }
     sum
+}
+
+/// The signal of an impulse, which is added if it is new.
+pub(crate) fn impulse_of(source: ImpulseSource, impulses: &mut Vec<Impulse>) -> Signal {
+    let known = impulses.iter().find(|i| i.source == source);
+    known.map(|i| i.signal).unwrap_or_else(|| {
+        // No declared variable lags time.
+        let signal = Signal::shifted(VarId::TIME, -1 - impulses.len() as i32);
+        impulses.push(Impulse { signal, source });
+        signal
+    })
 }
 
 impl Problem {

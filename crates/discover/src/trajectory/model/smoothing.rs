@@ -5,6 +5,7 @@
 
 use std::ops::Range;
 
+use super::jump_rows::jump_rows;
 use super::record::Record;
 use super::system::System;
 use sidc_data as data;
@@ -19,6 +20,8 @@ pub(crate) struct SmoothedTrajectory {
     pub rates: Vec<f64>,
     /// Standard deviation of each state's noise; `None` where it is not measured.
     pub noise: Vec<Option<f64>>,
+    /// Samples between which and the one before states jump, rising.
+    pub jumps: Vec<usize>,
 }
 
 impl SmoothedTrajectory {
@@ -32,7 +35,18 @@ impl SmoothedTrajectory {
             states: self.states[samples.start * n..samples.end * n].to_vec(),
             rates: self.rates[samples.start * m..samples.end * m].to_vec(),
             noise: self.noise.clone(),
+            jumps: (self.jumps.iter())
+                .filter(|row| samples.contains(row) && **row > samples.start)
+                .map(|row| row - samples.start)
+                .collect(),
         }
+    }
+
+    /// The samples between jumps.
+    pub fn flights(&self, length: usize) -> Vec<Range<usize>> {
+        let starts = [0].into_iter().chain(self.jumps.iter().copied());
+        let ends = self.jumps.iter().copied().chain([length]);
+        starts.zip(ends).map(|(from, to)| from..to).collect()
     }
 
     pub fn rate_at(&self, k: usize, m: usize) -> &[f64] {
@@ -59,6 +73,7 @@ fn smoothed_trajectory(
         states: vec![0.0; length * n],
         rates: vec![0.0; length * m],
         noise: vec![None; n],
+        jumps: Vec::new(),
     };
     for (l, law) in system.laws.iter().enumerate() {
         let order = usize::from(law.target.der);
@@ -72,7 +87,12 @@ fn smoothed_trajectory(
                 continue;
             }
             let sigma = declared[i].map(|noise| noise.rms(column));
-            let Some(s) = data::smooth(&record.time, column, sigma, &[], false) else {
+            let breaks = match system.lowest_jump(law.target.var) {
+                Some(order) => jump_rows(&record.time, column, order.saturating_sub(d as u8)),
+                None => Vec::new(),
+            };
+            curve.jumps.extend(breaks.iter().map(|b| b.row));
+            let Some(s) = data::smooth(&record.time, column, sigma, &breaks, false) else {
                 continue;
             };
             curve.noise[i] = Some(s.sigma);
@@ -106,6 +126,8 @@ fn smoothed_trajectory(
             }
         }
     }
+    curve.jumps.sort_unstable();
+    curve.jumps.dedup();
     curve
 }
 

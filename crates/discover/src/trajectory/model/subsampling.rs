@@ -45,6 +45,22 @@ impl Problem {
         self.samples() > RECORDS.max_searched_samples
     }
 
+    /// The problem of what lies between jumps, each flight a record of its own, in which nothing jumps.
+    pub(crate) fn flights(&self) -> Problem {
+        let (n, m) = (self.states(), self.system.laws.len());
+        let (mut records, mut smoothed, mut origin) = (Vec::new(), Vec::new(), Vec::new());
+        for (r, (record, curve)) in self.records.iter().zip(&self.smoothed).enumerate() {
+            for samples in curve.flights(record.len()) {
+                origin.push(r);
+                records.push(record.part(samples.clone()));
+                smoothed.push(curve.part(samples, n, m));
+            }
+        }
+        let mut flights = self.with_parts(records, smoothed, &origin);
+        flights.system.resets.clear();
+        flights
+    }
+
     /// The problem on segments of its records; `None` if those are whole already.
     pub(crate) fn on_segments(&self) -> Option<Problem> {
         if !self.searched_in_parts() {

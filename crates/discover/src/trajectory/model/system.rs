@@ -8,7 +8,7 @@ use std::ops::Range;
 use super::coefficient_constraints::CoefficientConstraints;
 use crate::standard_terms::has_unit;
 use sidc_lang::library::{Library, known_terms};
-use sidc_lang::model::{LibExpr, LibKind, Model, RightSide, VarKind};
+use sidc_lang::model::{LibExpr, LibKind, Model, Reset, RightSide, VarKind};
 use sidc_lang::term::{Expr, Signal, Term, VarId};
 
 /// A system z' = f(z, w, u; a) in first-order form, its laws linear in the coefficients a. z: states, w: highest derivatives (rates), which
@@ -31,16 +31,26 @@ pub struct System {
     pub with_units: BTreeSet<Signal>,
     /// What the coefficients obey; none at first.
     pub constraints: CoefficientConstraints,
-    /// Exogenous signals that are impulses of guards, where unknown constants in these are estimated.
+    /// Exogenous signals that are impulses at events, where unknown constants that act there are estimated.
     pub(crate) impulses: Vec<Impulse>,
+    /// Where states jump.
+    pub resets: Vec<Reset>,
 }
 
-/// A signal that is an impulse where a guard is zero, δ(g).
+/// A signal that is zero along all records and acts at events.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Impulse {
     pub signal: Signal,
-    /// As switches list it.
-    pub guard: Expr,
+    pub source: ImpulseSource,
+}
+
+/// What an impulse is.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum ImpulseSource {
+    /// δ(g) of a guard, as switches list it.
+    Guard(Expr),
+    /// A unit changes the states as a unit of this constant does where they jump.
+    Jump(Signal),
 }
 
 /// A law: target = known + Σ coefficient · column.
@@ -111,6 +121,7 @@ impl System {
             with_units: BTreeSet::new(),
             constraints: CoefficientConstraints::default(),
             impulses: Vec::new(),
+            resets: model.resets.clone(),
         };
         for (i, equation) in model.equations.iter().enumerate() {
             let target = equation.target;
@@ -173,6 +184,8 @@ impl System {
         self.laws
             .iter()
             .for_each(|l| l.known.for_each_signal(&mut see));
+        let resets = self.resets.iter().flat_map(Reset::expressions);
+        resets.for_each(|e| e.for_each_signal(&mut see));
         all.sort_unstable();
         all.dedup();
         all.retain(|s| !self.states.contains(s) && self.laws.iter().all(|l| l.target != *s));
@@ -202,6 +215,13 @@ impl System {
         let mut found = false;
         term.for_each_signal(&mut |s| found |= self.hidden.contains(&s.var));
         found
+    }
+
+    /// The lowest derivative of a variable that jumps.
+    pub fn lowest_jump(&self, var: VarId) -> Option<u8> {
+        let all = self.resets.iter().flat_map(|r| &r.jumps);
+        let own = all.filter(|(signal, _)| signal.var == var);
+        own.map(|(signal, _)| signal.der).min()
     }
 
     /// The index of a signal among the states.

@@ -8,10 +8,11 @@
 
 use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, fit, is_hopeless};
 use crate::trajectory::model::{
-    ExtendedProblem, LinearizationPoint, Problem, impulses_of, indicator,
+    ExtendedProblem, ImpulseSource, LinearizationPoint, Problem, impulse_of, impulses_of, indicator,
 };
 use crate::trajectory::search::{final_criterion, last_criterion};
 use crate::trajectory::thresholds::{CONSTANTS, SEARCH};
+use sidc_lang::model::Reset;
 use sidc_lang::term::{Expr, Signal, Term};
 use sidc_progress::Observer;
 use sidc_solve::{LinearConstraint, Sense};
@@ -333,10 +334,16 @@ pub(super) fn with_sensitivities(
             }
             let (weight, term) = slope.into_term();
             held[l].push((k, weight));
-            extra[l].push(match constant.run {
-                Some(run) => term.mul(&Term::signal(indicator(run))),
-                None => term,
-            });
+            extra[l].push(of_run(term, constant));
+        }
+    }
+    // What a constant does to jumps is no part of a law; its column stands in the first.
+    for (k, constant) in constants.iter().enumerate() {
+        let mut resets = problem.system.resets.iter().flat_map(Reset::expressions);
+        if constant.range.0 != constant.range.1 && resets.any(|e| e.mentions(constant.signal)) {
+            let signal = impulse_of(ImpulseSource::Jump(constant.signal), &mut impulses);
+            held[0].push((k, 1.0));
+            extra[0].push(of_run(Term::signal(signal), constant));
         }
     }
     let extended = match impulses.is_empty() {
@@ -351,6 +358,14 @@ pub(super) fn with_sensitivities(
         return None;
     }
     Some((extended, new, owners))
+}
+
+/// A term that acts in the run of a constant alone.
+fn of_run(term: Term, constant: &SoughtConstant) -> Term {
+    match constant.run {
+        Some(run) => term.mul(&Term::signal(indicator(run))),
+        None => term,
+    }
 }
 
 /// Ties the slope columns of a constant: it changes by the same amount in all laws that hold it.

@@ -32,7 +32,7 @@ pub struct UnidentifiableDirection {
 }
 
 /// Directions in which constants can change, alone or together with coefficients of candidate terms, while no reading changes.
-/// Empty too where it cannot be computed: laws that switch, implicit or constrained ones, very many candidates.
+/// Empty too where it cannot be computed: laws that switch, states that jump, implicit or constrained ones, very many candidates.
 ///
 /// [`Parameter::Constant`] counts the places of `constants`.
 pub fn structurally_unidentifiable_directions(

@@ -34,7 +34,8 @@ impl<'a> SensitiveSystem<'a> {
         let shared = constants.iter().all(|c| !c.per_run);
         let known = system.laws.iter().flat_map(|l| l.known.terms());
         let mut all = system.columns.iter().chain(known.map(|(_, t)| t));
-        if constants.is_empty() || !(free && few && shared) || all.any(Switches::are_in) {
+        let switches = all.any(Switches::are_in) || !system.resets.is_empty();
+        if constants.is_empty() || !(free && few && shared) || switches {
             return None;
         }
         // Signals that no model declares; no column here belongs to a run.

@@ -1,6 +1,7 @@
 //! Filter, forms, beam and integration against plain versions of themselves: dense least squares, finite differences, series, brute force.
 
 mod events;
+mod jumps;
 pub(crate) mod windows;
 
 use super::integration::{
