@@ -37,6 +37,7 @@ mod hostile;
 mod hostile_results;
 mod interface;
 mod joint;
+mod jumps;
 mod known_parts;
 mod lang;
 mod lasso;

@@ -90,6 +90,7 @@ pub fn system(seed: u64) -> Discovery {
         unknowns: draw.constants,
         correlations: Vec::new(),
         hidden: Vec::new(),
+        resets: Vec::new(),
     }
 }
 

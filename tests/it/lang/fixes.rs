@@ -5,12 +5,18 @@ use sidc_lang::diagnostic::{Diagnostic, Fix};
 use super::{compiled, texts_in};
 
 /// Files and help texts without a fix: they tell the author what to consider.
-const WITHOUT: [&str; 9] = [
+const WITHOUT: [&str; 15] = [
     "include: its statements may stand here instead",
     "include: write `include \"file.sid\"`",
     "lets_grow: use a generator such as `poly(x; 3)` instead of products of products",
     "number_too_large: measure the quantity in another unit",
     "number_too_large: measure the quantity in another unit",
+    "reset_condition: write `when y < 0 : …` or `when y > 0 : …`",
+    "reset_condition: compare a state with something: `when y < 0 : dy -> -0.8*dy`",
+    "reset_condition: set a state, or a derivative below the target",
+    "reset_condition: use states, inputs and constants",
+    "reset_condition: states jump: `when y < 0 : dy -> -0.8*dy`",
+    "reset_form: the form is `when y < 0 : dy -> -0.8*dy`",
     "strange_character: `step(x)` is 1 for x > 0 and 0 below: `step(x)*a + step(-x)*b`",
     "symmetries_many: join those that always hold together",
     "too_deep: name an inner part with `let`",
