@@ -27,6 +27,10 @@ impl ShootingIntegrator<'_> {
         states: &[f64],
         work: &mut Workspace,
     ) {
+        // Most laws have no jumps, and this is asked of every step.
+        if (self.laws.switches.as_ref()).is_none_or(|s| s.resets.is_empty()) {
+            return;
+        }
         let (n, count) = (self.laws.states, group.count());
         let ends = work.points[0][..n * count].to_vec();
         let missed = |b: usize| {

@@ -47,7 +47,7 @@ pub fn jump_of_target(at: Span, equation: Span, target: &str) -> Diagnostic {
 }
 
 pub fn jump_of_other(at: Span, name: &str, is_state: bool) -> Diagnostic {
-    let d = Diagnostic::error("reset", format!("`{name}` cannot jump")).edit(Edit::RemoveLine(at));
+    let d = Diagnostic::error("reset", format!("`{name}` cannot jump"));
     match is_state {
         true => d.at(at, "no equation moves this state").help(format!(
             "write an equation for `{name}`, or leave the line out"
