@@ -8,8 +8,8 @@ use super::thresholds::JUMPS;
 use sidc_data::Break;
 
 /// Rows between which and the row before the readings jump, if `order` is 0, or their slope does: there two parabolas follow the readings near by
-/// much better than one cubic, and better than at the rows near by. Where parabolas meet, the readings do not jump: their slope may, as that of a
-/// state with a held input.
+/// much better than one cubic, better than one polynomial with as many coefficients, which smooth motion favours, and better than at the rows near
+/// by. Where parabolas meet, the readings do not jump: their slope may, as that of a state with a held input.
 pub(super) fn jump_rows(time: &[f64], readings: &[f64], order: u8) -> Vec<Break> {
     let (least, most) = (readings.iter().copied().filter(|x| x.is_finite()))
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
@@ -35,7 +35,11 @@ pub(super) fn jump_rows(time: &[f64], readings: &[f64], order: u8) -> Vec<Break>
         }
         let mut whole = Sum::default();
         whole.add(&fit(from, to, 3));
-        whole.mean() / (parts.mean() + floor)
+        let bends = || !at_end && fit(from, to, 5).left_over <= parts.squares;
+        match whole.squares.is_finite() && !bends() {
+            true => whole.mean() / (parts.mean() + floor),
+            false => 0.0,
+        }
     };
     // For each row the window in which it stands out most.
     let windows =
