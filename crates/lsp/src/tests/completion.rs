@@ -32,7 +32,7 @@ fn items(text: &str) -> Vec<Value> {
 #[test]
 fn statements_begin_with_missing_equations_and_keywords() {
     let first = offered("|");
-    assert_eq!(first.len(), 15, "{first:?}");
+    assert_eq!(first.len(), 16, "{first:?}");
     let more = offered("state x, y : order 2\nddx ~ x\n|");
     assert_eq!(more[0], "ddy ~");
     assert!(!more.contains(&"ddx ~".to_string()));
