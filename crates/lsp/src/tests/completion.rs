@@ -37,7 +37,7 @@ fn statements_begin_with_missing_equations_and_keywords() {
     assert_eq!(more[0], "ddy ~");
     assert!(!more.contains(&"ddx ~".to_string()));
     assert!(more.contains(&"constrain".to_string()));
-    assert_eq!(offered("state x\nst|\ndx ~ x").len(), 15);
+    assert_eq!(offered("state x\nst|\ndx ~ x").len(), 16);
 }
 
 #[test]
