@@ -6,6 +6,7 @@
 
 use super::compiled_laws::Diverged;
 use super::events::{Arrival, Passage};
+use super::law_switches::LawSwitches;
 use super::parameter_sensitivity::propagate;
 use super::shooting::{IntervalBlock, ShootingIntegrator};
 use super::state_jumps::Jumped;
@@ -28,7 +29,7 @@ impl ShootingIntegrator<'_> {
         work: &mut Workspace,
     ) {
         // Most laws have no jumps, and this is asked of every step.
-        if (self.laws.switches.as_ref()).is_none_or(|s| s.resets.is_empty()) {
+        if self.jumping().is_none() {
             return;
         }
         let (n, count) = (self.laws.states, group.count());
@@ -44,13 +45,19 @@ impl ShootingIntegrator<'_> {
         });
     }
 
+    /// The switches of laws whose states jump.
+    fn jumping(&self) -> Option<&LawSwitches> {
+        let switches = self.laws.switches.as_ref();
+        switches.filter(|s| !s.resets.is_empty())
+    }
+
     fn note_jumps(
         &self,
         group: &StepGroup,
         work: &mut Workspace,
         may_jump: &dyn Fn(usize, Approach) -> bool,
     ) {
-        let Some(switches) = (self.laws.switches.as_ref()).filter(|s| !s.resets.is_empty()) else {
+        let Some(switches) = self.jumping() else {
             return;
         };
         let (n, count) = (self.laws.states, group.count());
@@ -118,30 +125,12 @@ impl Passage<'_> {
         work: &mut Workspace,
         out: &mut IntervalBlock,
     ) -> Result<(), Diverged> {
-        let length = self.length();
-        for place in 0..self.switches.resets.len() {
-            let reset = &self.switches.resets[place];
+        for reset in &self.switches.resets {
             let (switch, leaves) = (reset.switch, reset.leaves);
-            if self.modes.0[switch].side() != -leaves.side() {
-                continue;
+            if self.modes.0[switch].side() == -leaves.side() {
+                let leads_away = |p: &Passage, _: &Workspace| p.modes.0[switch] == leaves;
+                self.jump_off_guard((switch, leaves), &leads_away, work, out)?;
             }
-            let arrival = self.arrival_near(switch, length, work)?;
-            if leaves.side() * arrival.rate >= 0.0 {
-                continue;
-            }
-            let before = (
-                self.modes.clone(),
-                self.sides.clone(),
-                work.points[0].clone(),
-            );
-            let jumped = self.jump(switch, leaves, &arrival, work)?;
-            if self.modes.0[switch] != leaves {
-                (self.modes, self.sides) = (before.0, before.1);
-                work.points[0] = before.2;
-                self.begin_piece(work)?;
-                continue;
-            }
-            self.apply_jump(&arrival, &jumped, work, out)?;
         }
         Ok(())
     }
@@ -154,33 +143,45 @@ impl Passage<'_> {
         work: &mut Workspace,
         out: &mut IntervalBlock,
     ) -> Result<(), Diverged> {
-        let (n, length) = (next.len(), self.length());
-        for place in 0..self.switches.resets.len() {
-            let reset = &self.switches.resets[place];
+        for reset in &self.switches.resets {
             let (switch, leaves) = (reset.switch, reset.leaves);
-            if self.modes.0[switch] != leaves {
-                continue;
-            }
-            let arrival = self.arrival_near(switch, length, work)?;
-            if leaves.side() * arrival.rate >= 0.0 {
-                continue;
-            }
-            let before = (
-                self.modes.clone(),
-                self.sides.clone(),
-                work.points[0].clone(),
-            );
-            let jumped = self.jump(switch, leaves, &arrival, work)?;
-            if self.integrator.distance(&work.points[0][..n], next) < missed {
-                self.apply_jump(&arrival, &jumped, work, out)?;
+            let leads_nearer = |p: &Passage, work: &Workspace| {
+                let end = &work.points[0][..next.len()];
+                p.integrator.distance(end, next) < missed
+            };
+            if self.modes.0[switch] == leaves
+                && self.jump_off_guard((switch, leaves), &leads_nearer, work, out)?
+            {
                 self.write(work, out);
-                return Ok(());
+                break;
             }
-            (self.modes, self.sides) = (before.0, before.1);
-            work.points[0] = before.2;
-            self.begin_piece(work)?;
         }
         Ok(())
+    }
+
+    /// A jump where the guard is not zero but moves as towards the jump, if what it leads to is accepted. Whether it is.
+    fn jump_off_guard(
+        &mut self,
+        (switch, leaves): (usize, Mode),
+        accepts: &dyn Fn(&Passage, &Workspace) -> bool,
+        work: &mut Workspace,
+        out: &mut IntervalBlock,
+    ) -> Result<bool, Diverged> {
+        let arrival = self.arrival_near(switch, self.length(), work)?;
+        if leaves.side() * arrival.rate >= 0.0 {
+            return Ok(false);
+        }
+        let (modes, sides) = (self.modes.clone(), self.sides.clone());
+        let point = work.points[0].clone();
+        let jumped = self.jump(switch, leaves, &arrival, work)?;
+        let accepted = accepts(self, work);
+        if accepted {
+            self.apply_jump(&arrival, &jumped, work, out)?;
+        } else {
+            (self.modes, self.sides, work.points[0]) = (modes, sides, point);
+            self.begin_piece(work)?;
+        }
+        Ok(accepted)
     }
 
     /// Lets the states jump at a switch.

@@ -45,6 +45,12 @@ impl PenalizedLikelihood {
         PenalizedLikelihood::new(problem, floor, inefficiency * term_price(readings))
     }
 
+    /// Noise of each sensor, at least the floor.
+    pub fn above_floor(&self, noise: &[f64]) -> Vec<f64> {
+        let all = noise.iter().zip(&self.floor);
+        all.map(|(noise, floor)| noise.max(*floor)).collect()
+    }
+
     /// The price of a support. Each free coefficient costs `penalty`; coefficients that constraints fix or tie are not estimated and cost
     /// nothing. Degrees cost too, since terms of high degree are less likely. Where readings are few a term costs more, since each fitted
     /// coefficient and first state takes a degree of freedom (the correction of Hurvich & Tsai, Biometrika 1989).

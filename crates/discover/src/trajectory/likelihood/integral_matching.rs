@@ -108,14 +108,8 @@ fn evaluate(
     let (rate0, rate1) = (curve.rate_at(k, m), curve.rate_at(k + 1, m));
     let mut slopes = [vec![0.0; n], vec![0.0; n]];
     for i in 0..n {
-        let follows = system.derivative_state(i);
-        let law = system.laws.iter().position(|l| l.state == i);
         for (slopes, (states, rates)) in slopes.iter_mut().zip([(here, rate0), (next, rate1)]) {
-            slopes[i] = match (follows, law) {
-                (Some(j), _) => states[j],
-                (None, Some(l)) => rates[l],
-                (None, None) => 0.0,
-            };
+            slopes[i] = system.rate_of(i, states, rates);
         }
         points[i * 3] = here[i];
         points[i * 3 + 1] = 0.5 * (here[i] + next[i]) + h / 8.0 * (slopes[0][i] - slopes[1][i]);

@@ -204,6 +204,15 @@ impl System {
         (next.der > 0).then_some(state + 1)
     }
 
+    /// The rate of a state, given all states and the rates of the laws.
+    pub fn rate_of(&self, state: usize, states: &[f64], rates: &[f64]) -> f64 {
+        let law = || self.laws.iter().position(|l| l.state == state);
+        match self.derivative_state(state) {
+            Some(next) => states[next],
+            None => law().map_or(0.0, |l| rates[l]),
+        }
+    }
+
     /// Whether nothing measures a state.
     pub fn is_hidden(&self, state: usize) -> bool {
         let signal = self.states.get(state);

@@ -4,8 +4,7 @@
 //! without them: they are fitted to the flights, each a record of its own. The constants are those with which the laws lead from the last state
 //! of a flight to the first of the next. While constants are wrong, a fit of whole records would move every later jump off its place.
 
-use nalgebra::{DMatrix, DVector};
-
+use super::least_squares_of_constants::{least_squares_of_constants, with_values};
 use super::support_search::initial_fit;
 use super::unknown_constants::{
     FittedConstants, SoughtConstant, fit_constants_at, with_constant_values,
@@ -13,11 +12,8 @@ use super::unknown_constants::{
 use crate::trajectory::integration::{CompiledLaws, IntervalBlock, ShootingIntegrator, Workspace};
 use crate::trajectory::likelihood::{PenalizedLikelihood, fit};
 use crate::trajectory::model::{LinearizationPoint, Problem};
-use crate::trajectory::thresholds::{AHEAD, CONSTANTS, SEARCH};
+use crate::trajectory::thresholds::{AHEAD, SEARCH};
 use sidc_progress::Observer;
-use sidc_system::least_squares::{
-    Descent, LeastSquares, difference_equations, levenberg_marquardt,
-};
 
 /// The likeliest constants of jumps, with the terms that the flights between them show.
 pub fn fit_constants_of_jumps(
@@ -61,10 +57,8 @@ fn fitted_flights(problem: &Problem, observer: &mut dyn Observer) -> Option<Line
     };
     for floor in SEARCH.floors {
         let criterion = PenalizedLikelihood::at_floor(&flights, floor, 1.0);
-        let floors = flights.noise.iter().zip(&criterion.floor);
-        let sigma = floors.map(|(noise, floor)| noise.max(*floor)).collect();
         let from = LinearizationPoint {
-            sigma,
+            sigma: criterion.above_floor(&flights.noise),
             ..point.clone()
         };
         if let Some(found) = fit(&flights, from, &criterion, f64::INFINITY, observer) {
@@ -94,87 +88,40 @@ fn constants_between_flights(
     observer: &mut dyn Observer,
 ) -> Option<(Vec<SoughtConstant>, LinearizationPoint)> {
     let point = fitted_flights(problem, observer)?;
-    let mut crossings = Crossings {
-        laws: CompiledLaws::new(&problem.system, &point.support),
-        problem,
-        constants,
-        point,
+    let laws = CompiledLaws::new(&problem.system, &point.support);
+    let missed = |values: &[f64]| {
+        let problem = with_constant_values(problem, &with_values(constants, values));
+        missed_starts(&problem, &laws, &point)
     };
-    let values = constants.iter().map(|c| c.value);
-    let start = DVector::from_iterator(constants.len(), values);
-    let descent = Descent {
-        steps: CONSTANTS.steps,
-        converged: 0.0,
-        still: 0.0,
-    };
-    let found = levenberg_marquardt(&mut crossings, start, descent)?.point;
-    let moved = constants.iter().zip(found.iter());
-    let moved = moved.map(|(c, value)| SoughtConstant {
-        value: *value,
-        ..*c
-    });
-    Some((moved.collect(), crossings.point))
+    let moved = least_squares_of_constants(constants, &missed)?;
+    Some((moved, point))
 }
 
-/// The intervals in which states jump, between flights that are known.
-struct Crossings<'a> {
-    problem: &'a Problem,
-    constants: &'a [SoughtConstant],
-    laws: CompiledLaws,
-    point: LinearizationPoint,
-}
-
-impl LeastSquares for Crossings<'_> {
-    type Point = DVector<f64>;
-    type Fit = DVector<f64>;
-
-    /// What the laws miss the first states of flights by, in units of their spread.
-    fn fit(&mut self, at: &DVector<f64>) -> Option<DVector<f64>> {
-        let values = self.constants.iter().zip(at.iter());
-        let values = values.map(|(c, value)| SoughtConstant {
-            value: *value,
-            ..*c
-        });
-        let problem = with_constant_values(self.problem, &values.collect::<Vec<_>>());
-        let integrator = ShootingIntegrator {
-            laws: &self.laws,
-            all: None,
-            coefficients: &self.point.coefficients,
-            spread: &problem.spread,
-            accuracy: AHEAD.accuracy,
-        };
-        let (n, mut work) = (problem.states(), Workspace::default());
-        let mut missed = Vec::new();
-        let records = problem.records.iter().zip(&self.point.paths);
-        for ((record, path), curve) in records.zip(&problem.smoothed) {
-            for row in &curve.jumps {
-                let mut block = IntervalBlock::default();
-                let passed = integrator.block(record, path, row - 1..*row, &mut work, &mut block);
-                passed.ok()?;
-                let next = &path[row * n..(row + 1) * n];
-                let pairs = block.end.iter().zip(next).zip(&problem.spread);
-                missed.extend(pairs.map(|((end, next), spread)| (end - next) / spread));
-            }
+/// What the laws, across the jumps, miss the first states of flights by, in units of their spread. `None` where they diverge.
+fn missed_starts(
+    problem: &Problem,
+    laws: &CompiledLaws,
+    point: &LinearizationPoint,
+) -> Option<Vec<f64>> {
+    let integrator = ShootingIntegrator {
+        laws,
+        all: None,
+        coefficients: &point.coefficients,
+        spread: &problem.spread,
+        accuracy: AHEAD.accuracy,
+    };
+    let (n, mut work) = (problem.states(), Workspace::default());
+    let mut missed = Vec::new();
+    let records = problem.records.iter().zip(&point.paths);
+    for ((record, path), curve) in records.zip(&problem.smoothed) {
+        for row in &curve.jumps {
+            let mut block = IntervalBlock::default();
+            let passed = integrator.block(record, path, row - 1..*row, &mut work, &mut block);
+            passed.ok()?;
+            let next = &path[row * n..(row + 1) * n];
+            let pairs = block.end.iter().zip(next).zip(&problem.spread);
+            missed.extend(pairs.map(|((end, next), spread)| (end - next) / spread));
         }
-        Some(DVector::from_vec(missed))
     }
-
-    fn value(&self, fit: &DVector<f64>) -> f64 {
-        fit.norm_squared()
-    }
-
-    fn normal_equations(
-        &mut self,
-        at: &DVector<f64>,
-        fit: &DVector<f64>,
-    ) -> Option<(DMatrix<f64>, DVector<f64>)> {
-        let by = f64::EPSILON.sqrt() * at.amax().max(f64::MIN_POSITIVE);
-        difference_equations(self, at, fit, (self.constants.len(), by), |fit| fit)
-    }
-
-    fn moved(&self, at: &DVector<f64>, step: &DVector<f64>) -> DVector<f64> {
-        let all = self.constants.iter().zip(at.iter().zip(step.iter()));
-        let moved = all.map(|(c, (value, by))| (value + by).clamp(c.range.0, c.range.1));
-        DVector::from_iterator(at.len(), moved)
-    }
+    Some(missed)
 }

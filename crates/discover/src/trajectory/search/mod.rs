@@ -11,6 +11,7 @@ mod disturbed_search;
 mod error_correlations;
 mod flights;
 mod jump_constants;
+mod least_squares_of_constants;
 mod noise_floor_search;
 mod omitted_terms;
 mod search_from_fit;

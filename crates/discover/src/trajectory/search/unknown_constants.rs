@@ -140,8 +140,7 @@ pub fn fit_constants_by_levels(
     let (mut here, mut point) = (constants.to_vec(), problem.initial_point(&problem.noise));
     for floor in SEARCH.floors {
         let criterion = PenalizedLikelihood::at_floor(problem, floor, 1.0);
-        let floors = problem.noise.iter().zip(&criterion.floor);
-        let sigma = floors.map(|(noise, floor)| noise.max(*floor)).collect();
+        let sigma = criterion.above_floor(&problem.noise);
         point = LinearizationPoint { sigma, ..point };
         let criterion = (&criterion, f64::INFINITY);
         let found = climb(problem, point.clone(), &here, criterion, observer);

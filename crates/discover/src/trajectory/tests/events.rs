@@ -1,6 +1,6 @@
 //! Flows across events: closed forms, and derivatives against differences.
 
-use super::{close, system};
+use super::{agrees_with_differences, close, moved, system};
 use crate::trajectory::integration::{CompiledLaws, IntervalBlock, ShootingIntegrator, Workspace};
 use crate::trajectory::model::{Exogenous, Record, System};
 use sidc_lang::model::Between;
@@ -57,41 +57,15 @@ impl Interval {
     fn check(&self, states: &[f64]) -> Vec<f64> {
         let (n, k) = (states.len(), self.coefficients.len());
         let base = self.flow(&self.coefficients, states);
-        let step = 1e-6;
-        let by = |at: &[f64], j: usize, d: f64| {
-            let mut moved = at.to_vec();
-            moved[j] += d;
-            moved
-        };
-        let agree = |up: IntervalBlock, down: IntervalBlock, said: &dyn Fn(usize) -> f64, of| {
-            for i in 0..n {
-                let measured = (up.end[i] - down.end[i]) / (2.0 * step);
-                let said = said(i);
-                assert!(
-                    close(said, measured, 2e-5),
-                    "{of} {i}: {said} for {measured}"
-                );
-            }
-        };
         for j in 0..n {
-            let [up, down] =
-                [step, -step].map(|d| self.flow(&self.coefficients, &by(states, j, d)));
-            agree(
-                up,
-                down,
-                &|i| base.transition[i * n + j],
-                format!("state {j} of"),
-            );
+            let said = |i: usize| base.transition[i * n + j];
+            let flow = |by| self.flow(&self.coefficients, &moved(states, j, by));
+            agrees_with_differences(n, &said, &flow, &format!("state {j} of"));
         }
         for j in 0..k {
-            let [up, down] =
-                [step, -step].map(|d| self.flow(&by(&self.coefficients, j, d), states));
-            agree(
-                up,
-                down,
-                &|i| base.columns[i * k + j],
-                format!("coefficient {j} of"),
-            );
+            let said = |i: usize| base.columns[i * k + j];
+            let flow = |by| self.flow(&moved(&self.coefficients, j, by), states);
+            agrees_with_differences(n, &said, &flow, &format!("coefficient {j} of"));
         }
         base.end
     }

@@ -1,6 +1,6 @@
 //! Flows across jumps of the states: closed forms, and derivatives against differences.
 
-use super::{close, system};
+use super::{agrees_with_differences, moved, system};
 use crate::trajectory::integration::{CompiledLaws, IntervalBlock, ShootingIntegrator, Workspace};
 use crate::trajectory::model::{Exogenous, ImpulseSource, Record, System, impulse_of};
 use sidc_lang::model::Between;
@@ -66,43 +66,18 @@ impl Interval {
     fn check(&self, constant: f64, states: &[f64]) -> Vec<f64> {
         let (n, k) = (states.len(), self.coefficients.len() + 1);
         let base = self.flow(constant, &self.coefficients, states);
-        let step = 1e-6;
-        let agree = |up: IntervalBlock, down: IntervalBlock, said: &dyn Fn(usize) -> f64, of| {
-            for i in 0..n {
-                let measured = (up.end[i] - down.end[i]) / (2.0 * step);
-                let said = said(i);
-                assert!(
-                    close(said, measured, 2e-5),
-                    "{of} {i}: {said} for {measured}"
-                );
-            }
-        };
-        let by = |at: &[f64], j: usize, d: f64| {
-            let mut moved = at.to_vec();
-            moved[j] += d;
-            moved
-        };
         for j in 0..n {
-            let [up, down] =
-                [step, -step].map(|d| self.flow(constant, &self.coefficients, &by(states, j, d)));
-            agree(
-                up,
-                down,
-                &|i| base.transition[i * n + j],
-                format!("state {j} of"),
-            );
+            let said = |i: usize| base.transition[i * n + j];
+            let flow = |by| self.flow(constant, &self.coefficients, &moved(states, j, by));
+            agrees_with_differences(n, &said, &flow, &format!("state {j} of"));
         }
-        let [up, down] = [step, -step].map(|d| self.flow(constant + d, &self.coefficients, states));
-        agree(up, down, &|i| base.columns[i * k], "the constant of".into());
+        let said = |i: usize| base.columns[i * k];
+        let flow = |by| self.flow(constant + by, &self.coefficients, states);
+        agrees_with_differences(n, &said, &flow, "the constant of");
         for j in 1..k {
-            let [up, down] = [step, -step]
-                .map(|d| self.flow(constant, &by(&self.coefficients, j - 1, d), states));
-            agree(
-                up,
-                down,
-                &|i| base.columns[i * k + j],
-                format!("coefficient {j} of"),
-            );
+            let said = |i: usize| base.columns[i * k + j];
+            let flow = |by| self.flow(constant, &moved(&self.coefficients, j - 1, by), states);
+            agrees_with_differences(n, &said, &flow, &format!("coefficient {j} of"));
         }
         base.end
     }

@@ -25,6 +25,32 @@ fn close(a: f64, b: f64, tolerance: f64) -> bool {
     (a - b).abs() <= tolerance * (1.0 + a.abs().max(b.abs()))
 }
 
+/// The numbers with one of them moved.
+fn moved(at: &[f64], j: usize, by: f64) -> Vec<f64> {
+    let mut moved = at.to_vec();
+    moved[j] += by;
+    moved
+}
+
+/// The derivatives of n end states by a number are what differences give, `flow` with the number moved.
+fn agrees_with_differences(
+    n: usize,
+    said: &dyn Fn(usize) -> f64,
+    flow: &dyn Fn(f64) -> IntervalBlock,
+    of: &str,
+) {
+    let step = 1e-6;
+    let [up, down] = [step, -step].map(flow);
+    for i in 0..n {
+        let measured = (up.end[i] - down.end[i]) / (2.0 * step);
+        let said = said(i);
+        assert!(
+            close(said, measured, 2e-5),
+            "{of} {i}: {said} for {measured}"
+        );
+    }
+}
+
 /// A record of intervals with readings, some of them missing.
 struct Chain {
     n: usize,
