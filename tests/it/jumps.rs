@@ -209,6 +209,9 @@ fn a_result_runs_its_jumps() {
         "{}",
         text.stdout
     );
+    sidc(&["report", "r.json", "d.csv", "-o", "r.html"]);
+    let page = std::fs::read_to_string(folder.path().join("r.html")).unwrap();
+    assert!(page.contains("when y &lt; 0 : dy -&gt; -e*dy"));
     let weak = sidc(&["identify", "m.sid", "d.csv", "--method", "weak"]);
     assert!(
         weak.stderr.contains("resets-not-estimated"),

@@ -28,7 +28,9 @@ pub(crate) fn html(s: &Subject) -> Section {
             notation.symbol(f.target)
         ));
     }
-    let said = unknown_constants::lines(d).chain(disturbance::sentences(d));
+    let jumps = d.resets.iter().map(|r| r.text(d));
+    let said = jumps.chain(unknown_constants::lines(d));
+    let said = said.chain(disturbance::sentences(d));
     let of_inputs = d.delay_sentences().into_iter().chain(d.cubic_sentences());
     for said in said.chain(d.hidden_sentences()).chain(of_inputs) {
         body.push_str(&format!("<p>{}</p>\n", escape(&said)));
