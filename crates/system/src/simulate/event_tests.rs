@@ -1,5 +1,6 @@
 //! Runs of laws that switch against closed forms, phase by phase: what is between two events is solved by hand, the events by bisection.
 
+mod contacts;
 mod jumps;
 
 use super::compiled::compiled_system::CompiledSystem;

@@ -109,6 +109,7 @@ impl<'a> ForcedRightSide<'a> {
         }
         let sizes = &self.guard_sizes;
         loop {
+            system.open_contacts(work, (t, &*x), sizes);
             let before = work.modes.clone();
             let contacts = system.settle(work, (t, &mut *x), sizes, &events)?;
             events = system.left_sides(work, &before, &contacts);
@@ -118,7 +119,7 @@ impl<'a> ForcedRightSide<'a> {
             }
             jumped.extend(&events);
             events.iter().for_each(|k| work.modes.0[*k] = before.0[*k]);
-            system.reset(work, (t, &mut *x), sizes, &mut events);
+            system.reset(work, (t, &mut *x), sizes, &mut events)?;
         }
     }
 
@@ -139,7 +140,7 @@ impl<'a> ForcedRightSide<'a> {
         self.at(t);
         let (system, work) = (self.system, &mut self.work);
         let mut events = switches.to_vec();
-        let jumped = system.reset(work, (t, &mut *x), &self.guard_sizes, &mut events);
+        let jumped = system.reset(work, (t, &mut *x), &self.guard_sizes, &mut events)?;
         let jumps = !jumped.is_empty();
         if self.events_at_once > SWITCHING.at_once {
             return Err(match jumps {

@@ -1,7 +1,7 @@
 //! The forces that act while guards are at zero: a linear complementarity problem with bounds.
 //!
 //! In: the rates ġ of all guards as a function of σ, which is affine in each. Out: σ and mode of every contact. Either σ keeps a contact,
-//! ġ = 0 and |σ| < 1, or σ = 1 and g rises, or σ = −1 and g falls. With friction alone ∂ġ/∂σ is a negative definite matrix scaled by
+//! ġ = 0 and |σ| < 1, or σ = 1 and g rises, or σ = −1 and g falls; where bodies touch, either ġ = 0 and σ < 0, or σ = 0 and g rises. With friction alone ∂ġ/∂σ is a negative definite matrix scaled by
 //! positive numbers, so that there is one answer, which principal pivoting by the least index finds (Murty, "Linear Complementarity, Linear
 //! and Nonlinear Programming", 1988, ch. 4).
 
@@ -76,8 +76,11 @@ impl SlidingRates {
         let m = self.contacts.len();
         let mut own = DVector::zeros(m);
         let attracts: Vec<bool> = (0..m).map(|i| self.slope[(i, i)] < 0.0).collect();
+        let touches: Vec<bool> = (self.contacts.iter())
+            .map(|k| modes.0[*k] == Mode::Closed)
+            .collect();
         let mut held: Vec<bool> = attracts.clone();
-        for i in (0..m).filter(|i| !held[*i]) {
+        for i in (0..m).filter(|i| !held[*i] && !touches[*i]) {
             own[i] = self.outward(i, &own);
         }
         // Each pivot changes one contact. If the problem has a unique solution they end after fewer than 2^m of them, mostly after m.
@@ -85,20 +88,30 @@ impl SlidingRates {
             let free: Vec<usize> = (0..m).filter(|i| held[*i]).collect();
             if !self.keep(&free, &mut own) {
                 free.iter().for_each(|i| held[*i] = false);
-                free.iter().for_each(|i| own[*i] = self.start[*i].signum());
+                for i in free {
+                    own[i] = if touches[i] {
+                        0.0
+                    } else {
+                        self.start[i].signum()
+                    };
+                }
                 break;
             }
             let rates = &self.start + &self.slope * &own;
-            let wrong = (0..m).find(|i| match held[*i] {
-                true => own[*i].abs() >= 1.0 - SWITCHING.limit,
+            let wrong = (0..m).find(|i| match (held[*i], touches[*i]) {
+                (true, true) => own[*i] >= 0.0,
+                (true, false) => own[*i].abs() >= 1.0 - SWITCHING.limit,
                 // The tolerance exceeds the limit at which contacts are let go, so that rounding does not catch them again.
-                false => own[*i] * rates[*i] < -2.0 * SWITCHING.limit * self.size(*i),
+                (false, touches) => {
+                    let way = if touches { 1.0 } else { own[*i] };
+                    way * rates[*i] < -2.0 * SWITCHING.limit * self.size(*i)
+                }
             });
             let Some(i) = wrong else { break };
             match (held[i], attracts[i]) {
                 (true, _) => {
                     held[i] = false;
-                    own[i] = own[i].signum();
+                    own[i] = if touches[i] { 0.0 } else { own[i].signum() };
                 }
                 (false, true) => held[i] = true,
                 (false, false) => own[i] = rates[i].signum(),
@@ -108,14 +121,16 @@ impl SlidingRates {
         for (i, k) in self.contacts.iter().enumerate() {
             let is_idle = self.slope[(i, i)] == 0.0
                 && rates[i].abs() <= SWITCHING.rounding * self.start[i].abs();
-            modes.0[*k] = match held[i] {
-                true => Mode::Sliding,
-                false if is_idle => Mode::Level,
-                false => Mode::of(own[i]),
+            modes.0[*k] = match (held[i], touches[i]) {
+                (true, true) => Mode::Closed,
+                (true, false) => Mode::Sliding,
+                (false, true) => Mode::Idle,
+                (false, false) if is_idle => Mode::Level,
+                (false, false) => Mode::of(own[i]),
             };
-            sides[*k] = match modes.0[*k] {
-                Mode::Sliding => own[i],
-                mode => mode.side(),
+            sides[*k] = match modes.0[*k].is_held() {
+                true => own[i],
+                false => modes.0[*k].side(),
             };
         }
     }
@@ -194,9 +209,13 @@ mod tests {
     }
 
     fn decided(start: &[f64], slope: &[&[f64]]) -> (Vec<Mode>, Vec<f64>) {
+        decided_from(vec![Mode::Level; start.len()], start, slope)
+    }
+
+    fn decided_from(modes: Vec<Mode>, start: &[f64], slope: &[&[f64]]) -> (Vec<Mode>, Vec<f64>) {
         let m = start.len();
         let mut laws = Affine(start.to_vec(), slope.iter().map(|r| r.to_vec()).collect());
-        let mut modes = Modes(vec![Mode::Level; m]);
+        let mut modes = Modes(modes);
         let mut sides = vec![0.0; m];
         let rates = SlidingRates::measure(&mut laws, (0..m).collect(), &mut sides).unwrap();
         rates.decide(&mut modes, &mut sides);
@@ -244,7 +263,16 @@ mod tests {
                 .collect();
             let start: Vec<f64> = (0..m).map(|i| 2.0 * noise(case * 31 + i + 7)).collect();
             let rows: Vec<&[f64]> = slope.iter().map(Vec::as_slice).collect();
-            let (modes, sides) = decided(&start, &rows);
+            // Every third is the contact of two bodies, the others are friction.
+            let kind = |i: usize| {
+                if (case + i) % 3 == 0 {
+                    Mode::Closed
+                } else {
+                    Mode::Level
+                }
+            };
+            let before = (0..m).map(kind).collect();
+            let (modes, sides) = decided_from(before, &start, &rows);
             let mut rates = vec![0.0; m];
             let mut laws = Affine(start, slope);
             laws.guard_rates(&sides, &mut rates).unwrap();
@@ -253,8 +281,12 @@ mod tests {
                     Mode::Sliding => rates[i].abs() < 1e-9 && sides[i].abs() <= 1.0,
                     Mode::Above => sides[i] == 1.0 && rates[i] > -1e-9,
                     Mode::Below => sides[i] == -1.0 && rates[i] < 1e-9,
+                    Mode::Closed => rates[i].abs() < 1e-9 && sides[i] < 0.0,
+                    Mode::Idle => sides[i] == 0.0 && rates[i] > -1e-9,
                     Mode::Level => false,
                 };
+                let touches = kind(i) == Mode::Closed;
+                let holds = holds && touches == matches!(modes[i], Mode::Closed | Mode::Idle);
                 assert!(holds, "{case}: {modes:?} {sides:?} {rates:?}");
             }
         }

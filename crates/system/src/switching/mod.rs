@@ -7,6 +7,7 @@
 //! Dynamical Systems" (2008), for contacts that act on each other.
 
 mod contact_problem;
+mod contacts;
 mod event_location;
 mod forms;
 mod modes;
@@ -14,6 +15,7 @@ mod switches;
 pub mod thresholds;
 
 pub use contact_problem::{GuardRates, SlidingRates, above_rounding, least_norm};
+pub use contacts::{Contact, Kinematics};
 pub use event_location::{Located, locate};
 pub use modes::{Mode, Modes};
 pub use switches::{ResetMap, Switches};

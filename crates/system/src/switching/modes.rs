@@ -12,6 +12,10 @@ pub enum Mode {
     /// g = 0, and no σ moves it: σ is 0 until it does.
     #[default]
     Level,
+    /// The speed of a contact that is closed: g = 0 and stays there, by a σ at or below zero.
+    Closed,
+    /// σ is 0 and no event ends that: the speed of a contact that is open, the gap of one that is closed.
+    Idle,
 }
 
 /// The sides of all switches.
@@ -28,12 +32,17 @@ impl Mode {
         }
     }
 
-    /// σ; where it slides, before that is solved for.
+    /// Whether σ is what keeps the guard at zero.
+    pub fn is_held(self) -> bool {
+        matches!(self, Mode::Sliding | Mode::Closed)
+    }
+
+    /// σ; where it keeps the guard at zero, before that is solved for.
     pub fn side(self) -> f64 {
         match self {
             Mode::Below => -1.0,
             Mode::Above => 1.0,
-            Mode::Sliding | Mode::Level => 0.0,
+            Mode::Sliding | Mode::Level | Mode::Closed | Mode::Idle => 0.0,
         }
     }
 
@@ -44,18 +53,20 @@ impl Mode {
             Mode::Above => guard,
             Mode::Sliding => 1.0 - side.abs(),
             Mode::Level => -guard.abs(),
+            Mode::Closed => -side,
+            Mode::Idle => 1.0,
         }
     }
 }
 
 impl Modes {
-    /// Switches that slide.
-    pub fn sliding(&self) -> impl Iterator<Item = usize> {
+    /// Switches whose guards are held at zero.
+    pub fn held(&self) -> impl Iterator<Item = usize> {
         let all = self.0.iter().enumerate();
-        all.filter(|(_, m)| **m == Mode::Sliding).map(|(k, _)| k)
+        all.filter(|(_, m)| m.is_held()).map(|(k, _)| k)
     }
 
-    pub fn any_slides(&self) -> bool {
-        self.0.contains(&Mode::Sliding)
+    pub fn any_is_held(&self) -> bool {
+        self.0.iter().any(|m| m.is_held())
     }
 }

@@ -3,7 +3,8 @@
 //! In: expressions. Out: their guards, each once, and the expressions with σ in place of `sign(g)`, (1 + σ)/2 of `step(g)`, σ·g of
 //! `abs(g)`; `min` and `max` are those of two, by the sign of the difference.
 
-use super::modes::Mode;
+use super::contacts::Contact;
+use super::modes::{Mode, Modes};
 use sidc_lang::model::Reset;
 use sidc_lang::term::{Atom, Expr, Func, Signal, Smoothness, Term, VarId};
 
@@ -16,6 +17,8 @@ pub struct Switches {
     pub jumps: Vec<bool>,
     /// What states do there.
     pub resets: Vec<ResetMap>,
+    /// Where bodies that have struck each other stay together.
+    pub contacts: Vec<Contact>,
 }
 
 /// States that jump where a guard leaves one of its sides.
@@ -81,6 +84,20 @@ impl Switches {
 
     pub fn is_empty(&self) -> bool {
         self.guards.is_empty()
+    }
+
+    /// Modes before any is decided: contacts are open.
+    pub fn first_modes(&self) -> Modes {
+        self.modes_of(&mut |_| Mode::Level)
+    }
+
+    /// The mode of each switch, contacts open.
+    pub fn modes_of(&self, mode: &mut dyn FnMut(usize) -> Mode) -> Modes {
+        let mut modes = Modes((0..self.len()).map(mode).collect());
+        self.contacts
+            .iter()
+            .for_each(|c| modes.0[c.speed] = Mode::Idle);
+        modes
     }
 
     /// The signals of all switches.

@@ -21,6 +21,10 @@ family! {
         at_once: usize = 64, unit "events", source "set by hand: contacts that decide each other take two or three each";
         /// A guard that counts as zero where its switch slid before.
         drift: f64 = 1e-7, unit "of the guard's size", source "set by hand: a hundred times the error of a step, below any jump of an input that shows";
+        /// Points at which two expressions are compared.
+        same_points: usize = 8, unit "points", source "one tells two polynomials apart but for a chance in 10^9; some may lie outside a domain";
+        /// Values of two expressions that count as the same.
+        same: f64 = 1e-9, unit "relative", source "rounding of some hundred operations, with room for cancellation";
         /// A guard that counts as zero at the start of a stretch.
         zero: f64 = 1e-13, unit "of the guard's size", source "rounding of a state that was set to the guard";
     }

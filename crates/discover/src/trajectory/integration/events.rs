@@ -174,8 +174,8 @@ impl<'a> Passage<'a> {
         work.reached.resize(n * n, 0.0);
         unit(&mut work.reached, n, 1);
         self.decide(contacts, work)?;
-        if self.modes.any_slides() {
-            let sliding: Vec<usize> = self.modes.sliding().collect();
+        if self.modes.any_is_held() {
+            let sliding: Vec<usize> = self.modes.held().collect();
             let (point, scratch) = (&mut work.points[0], &mut work.scratch);
             let laws = (self.integrator).at_point(&self.group, 0.0, point, scratch);
             let mut laws = laws.ok_or(Diverged)?;
@@ -203,7 +203,7 @@ impl<'a> Passage<'a> {
 
     /// Rates and derivatives at the present point, with the present sides.
     pub(super) fn begin_piece(&mut self, work: &mut Workspace) -> Result<(), Diverged> {
-        self.group.sliding = self.modes.sliding().collect();
+        self.group.sliding = self.modes.held().collect();
         let point = &mut work.points[0];
         point[self.switches.first..].copy_from_slice(&self.sides);
         let (laws, at) = (self.integrator.weighted_laws(), (&self.group, self.part));

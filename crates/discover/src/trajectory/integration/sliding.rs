@@ -137,7 +137,7 @@ impl<'a> LawsAtPoint<'a> {
         let mut modes = Modes(guards.iter().map(|g| Mode::of(*g)).collect());
         SlidingRates::measure(self, contacts, &mut sides)?.decide(&mut modes, &mut sides);
         self.set_sides(&sides);
-        let sliding: Vec<usize> = modes.sliding().collect();
+        let sliding: Vec<usize> = modes.held().collect();
         if !sliding.is_empty() {
             let values = DMatrix::from_fn(sliding.len(), 1, |i, _| guards[sliding[i]]);
             self.onto_guards(&sliding, values)?;

@@ -42,7 +42,7 @@ impl ShootingIntegrator<'_> {
         for slot in slots {
             let alone = StepGroup::of_one(record, (first + slot, slot));
             let passage = Passage::start((self, switches), alone, states, work);
-            let Some(passage) = passage.ok().filter(|p| p.modes.any_slides()) else {
+            let Some(passage) = passage.ok().filter(|p| p.modes.any_is_held()) else {
                 left.push(slot);
                 continue;
             };
@@ -80,7 +80,7 @@ impl ShootingIntegrator<'_> {
         out: &mut IntervalBlock,
     ) -> Result<Vec<usize>, Diverged> {
         let (n, count, modes) = (self.laws.states, group.count(), &starts[0].modes);
-        group.sliding = modes.sliding().collect();
+        group.sliding = modes.held().collect();
         self.place(&group, states, work);
         work.reached.resize(n * n * count, 0.0);
         for (b, start) in starts.iter().enumerate() {

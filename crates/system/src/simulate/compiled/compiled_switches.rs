@@ -3,7 +3,7 @@
 //! In: the switches of a form. Out: one list of operations for the guards and their gradients. Evaluates nothing.
 
 use crate::discovery::Form;
-use crate::switching::{Mode, ResetMap, Switches};
+use crate::switching::{Contact, Mode, Modes, ResetMap, Switches};
 use sidc_lang::term::{Expr, PointTape, Signal};
 
 /// Guards and their gradients, compiled.
@@ -20,6 +20,8 @@ pub(crate) struct CompiledSwitches {
     pub(super) by_time: Vec<usize>,
     /// Where states jump.
     pub(super) resets: Vec<CompiledReset>,
+    pub(super) contacts: Vec<Contact>,
+    pub(super) first_modes: Modes,
 }
 
 /// States that jump where a guard leaves one of its sides.
@@ -68,6 +70,8 @@ impl CompiledSwitches {
             by_input,
             by_time: by_time.into_iter().map(|(k, _)| k).collect(),
             resets: resets.collect::<Result<_, Signal>>()?,
+            contacts: switches.contacts.clone(),
+            first_modes: switches.first_modes(),
         }))
     }
 

@@ -11,7 +11,7 @@ use crate::discovery::{Form, Rate};
 use crate::simulate::compiled::compiled_switches::CompiledSwitches;
 use crate::simulate::compiled::gaussian_elimination;
 use crate::simulate::fault::FaultKind;
-use crate::switching::{Mode, Modes, Switches};
+use crate::switching::{Modes, Switches};
 use sidc_lang::term::{Expr, PointTape, Signal};
 
 /// A compiled system.
@@ -103,7 +103,7 @@ impl CompiledSystem {
         let count = switches.map_or(0, |s| s.count);
         Workspace {
             guards: switches.map(CompiledSwitches::slots).unwrap_or_default(),
-            modes: Modes(vec![Mode::Level; count]),
+            modes: switches.map(|s| s.first_modes.clone()).unwrap_or_default(),
             sides: vec![0.0; count],
             is_pinned: false,
             input_slopes: vec![0.0; self.form.inputs.len()],
@@ -244,7 +244,7 @@ impl CompiledSystem {
                 }
             }
         }
-        if let Some(switches) = self.switches.as_ref().filter(|_| work.modes.any_slides()) {
+        if let Some(switches) = self.switches.as_ref().filter(|_| work.modes.any_is_held()) {
             self.hold_guards(switches, work, out)?;
         }
         match out.iter().position(|v| !v.is_finite()) {

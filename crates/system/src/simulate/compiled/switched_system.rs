@@ -10,7 +10,7 @@ use crate::simulate::compiled::compiled_switches::{CompiledReset, CompiledSwitch
 use crate::simulate::compiled::compiled_system::{CompiledSystem, Workspace};
 use crate::simulate::fault::FaultKind;
 use crate::switching::thresholds::SWITCHING;
-use crate::switching::{GuardRates, Mode, Modes, SlidingRates, least_norm};
+use crate::switching::{Contact, GuardRates, Mode, Modes, SlidingRates, least_norm};
 
 impl CompiledSwitches {
     /// Guards at the point in the slots of `work`.
@@ -74,9 +74,13 @@ impl CompiledSystem {
     ) -> Result<(), FaultKind> {
         switches.run(work, 1 + self.states() + self.given());
         if !work.is_pinned {
-            for k in 0..switches.count {
-                work.modes.0[k] = Mode::of(switches.value(work, k));
+            let mut modes = switches.first_modes.clone();
+            let waiting = |mode: &&mut Mode| **mode != Mode::Idle;
+            let decided = modes.0.iter_mut().enumerate();
+            for (k, mode) in decided.filter(|(_, mode)| waiting(mode)) {
+                *mode = Mode::of(switches.value(work, k));
             }
+            work.modes = modes;
             let zero: Vec<usize> = (0..switches.count)
                 .filter(|k| work.modes.0[*k] == Mode::Level)
                 .collect();
@@ -88,7 +92,7 @@ impl CompiledSystem {
         for (side, mode) in sides.iter_mut().zip(&work.modes.0) {
             *side = mode.side();
         }
-        let held = match work.modes.any_slides() {
+        let held = match work.modes.any_is_held() {
             true => self.hold(switches, work, &mut sides),
             false => Ok(()),
         };
@@ -105,7 +109,7 @@ impl CompiledSystem {
         work: &mut Workspace,
         sides: &mut [f64],
     ) -> Result<(), FaultKind> {
-        let contacts: Vec<usize> = work.modes.sliding().collect();
+        let contacts: Vec<usize> = work.modes.held().collect();
         let mut laws = AtPoint {
             system: self,
             switches,
@@ -134,6 +138,7 @@ impl CompiledSystem {
         };
         let rates = SlidingRates::measure(&mut laws, contacts, &mut sides);
         let decided = rates.map(|rates| rates.decide(&mut modes, &mut sides));
+        modes.open_released(&switches.contacts);
         work.modes = modes;
         work.known = false;
         decided
@@ -165,6 +170,24 @@ impl CompiledSystem {
         out
     }
 
+    /// Opens the contacts that a jump of the states has torn apart, or pressed together.
+    pub fn open_contacts(&self, work: &mut Workspace, (t, x): (f64, &[f64]), sizes: &[f64]) {
+        let Some(switches) = self.switches.as_ref().filter(|s| !s.contacts.is_empty()) else {
+            return;
+        };
+        work.slots[0] = t;
+        work.slots[1..=x.len()].copy_from_slice(x);
+        work.known = false;
+        switches.run(work, 1 + self.states() + self.given());
+        for contact in &switches.contacts {
+            let speed = switches.value(work, contact.speed);
+            let is_closed = work.modes.0[contact.speed] == Mode::Closed;
+            if is_closed && speed.abs() > SWITCHING.drift * sizes[contact.speed] {
+                work.modes.open(contact);
+            }
+        }
+    }
+
     /// Sets the sides of all switches at a point. Guards at zero, sliding ones and those of `events` are decided by the rates that the
     /// laws give there, all others by the sign of their guard. Moves `x` so that sliding guards are exactly zero. Out come those that were
     /// decided by rates.
@@ -188,7 +211,8 @@ impl CompiledSystem {
             let g = switches.value(work, k);
             // An input that jumps may have taken a guard away from a switch that slid.
             let near = match work.modes.0[k] {
-                Mode::Sliding => SWITCHING.drift,
+                Mode::Idle => continue,
+                mode if mode.is_held() => SWITCHING.drift,
                 _ => SWITCHING.zero,
             };
             match g.abs() <= near * size || events.contains(&k) {
@@ -200,8 +224,8 @@ impl CompiledSystem {
             return Ok(contacts);
         }
         self.decide(switches, work, contacts.clone())?;
-        let sliding: Vec<usize> = work.modes.sliding().collect();
-        for k in sliding {
+        let held: Vec<usize> = work.modes.held().collect();
+        for k in held {
             project(switches, work, k, x);
         }
         Ok(contacts)
@@ -222,17 +246,20 @@ impl CompiledSystem {
         left.map(|r| r.switch).collect()
     }
 
-    /// Lets the states jump where switches leave their sides, and takes out of `events` those whose guards the jump moved away from zero.
-    /// Out come the switches at which states jumped.
+    /// Lets the states jump where switches leave their sides, and takes out of `events` those whose guards the jump moved away from zero, and
+    /// contacts that closed. Out come the switches at which states jumped.
+    ///
+    /// # Errors
+    /// The laws have no rates after the jump.
     pub fn reset(
         &self,
         work: &mut Workspace,
         (t, x): (f64, &mut [f64]),
         sizes: &[f64],
         events: &mut Vec<usize>,
-    ) -> Vec<usize> {
+    ) -> Result<Vec<usize>, FaultKind> {
         let Some(switches) = &self.switches else {
-            return Vec::new();
+            return Ok(Vec::new());
         };
         let given = 1 + self.states() + self.given();
         let leaves = |r: &&CompiledReset| {
@@ -242,7 +269,7 @@ impl CompiledSystem {
         let resets: Vec<&CompiledReset> = switches.resets.iter().filter(leaves).collect();
         let jumped: Vec<usize> = resets.iter().map(|r| r.switch).collect();
         if jumped.is_empty() {
-            return jumped;
+            return Ok(jumped);
         }
         work.slots[0] = t;
         work.slots[1..=x.len()].copy_from_slice(x);
@@ -266,7 +293,31 @@ impl CompiledSystem {
         let after = guards(work);
         let stays = |k: &usize| (after[*k] - before[*k]).abs() <= SWITCHING.drift * sizes[*k];
         events.retain(stays);
-        jumped
+        for contact in &switches.contacts {
+            if jumped.contains(&contact.gap) && self.stays_closed(switches, work, contact, sizes)? {
+                work.modes.close(contact);
+                events.retain(|k| *k != contact.gap);
+                project(switches, work, contact.gap, x);
+                project(switches, work, contact.speed, x);
+            }
+        }
+        Ok(jumped)
+    }
+
+    /// Whether two bodies that have just struck would part by no more than rounding of the gap before they are pressed together again.
+    fn stays_closed(
+        &self,
+        switches: &CompiledSwitches,
+        work: &mut Workspace,
+        contact: &Contact,
+        sizes: &[f64],
+    ) -> Result<bool, FaultKind> {
+        self.evaluate_switched(switches, work)?;
+        let mut rates = vec![0.0; switches.count];
+        switches.rates(&self.form, work, &mut rates);
+        let (speed, pull) = (switches.value(work, contact.speed), rates[contact.speed]);
+        let least = SWITCHING.zero * sizes[contact.gap];
+        Ok(pull < 0.0 && speed * speed <= -2.0 * pull * least)
     }
 
     /// Puts these switches on the side that their guard has at `end`; a sliding switch on the side at which its σ left [−1, 1].
@@ -280,9 +331,11 @@ impl CompiledSystem {
         for k in which {
             work.modes.0[*k] = match work.modes.0[*k] {
                 Mode::Sliding => Mode::of(sides[*k]),
+                Mode::Closed | Mode::Idle => Mode::Idle,
                 _ => Mode::of(switches.value(work, *k)),
             };
         }
+        work.modes.open_released(&switches.contacts);
     }
 
     /// How far each switch is from its next event: what stays at or above zero while its mode holds.
@@ -325,7 +378,7 @@ impl CompiledSystem {
         out: &mut [f64],
     ) -> Result<(), FaultKind> {
         let n = self.states();
-        let contacts: Vec<usize> = work.modes.sliding().collect();
+        let contacts: Vec<usize> = work.modes.held().collect();
         let (sides, q) = (work.sides.clone(), work.q.clone());
         let x: Vec<f64> = work.slots[1..=n].to_vec();
         switches.run(work, 1 + n + self.given());

@@ -3,7 +3,7 @@
 use super::*;
 use sidc_lang::model::{Condition, Reset};
 
-fn below(left: Expr, right: Expr, jumps: Vec<(Signal, Expr)>) -> Reset {
+pub(super) fn below(left: Expr, right: Expr, jumps: Vec<(Signal, Expr)>) -> Reset {
     Reset {
         condition: Condition {
             left,
@@ -14,7 +14,7 @@ fn below(left: Expr, right: Expr, jumps: Vec<(Signal, Expr)>) -> Reset {
     }
 }
 
-fn with_resets(system: &CompiledSystem, resets: Vec<Reset>) -> CompiledSystem {
+pub(super) fn with_resets(system: &CompiledSystem, resets: Vec<Reset>) -> CompiledSystem {
     let form = Form {
         resets,
         ..system.form.clone()
@@ -78,11 +78,15 @@ fn a_cell_fires() {
     agree("cell", &cell, &time, &input, &[0.0], &known);
 }
 
-/// Jumps without end in no time are named.
+/// Jumps without end in no time are named, where no contact closes: here those of a speed below zero are no multiple of it.
 #[test]
-fn a_ball_that_stays_on_the_floor_ends_the_run() {
+fn jumps_that_accumulate_end_the_run() {
     let speed = Signal::derivative(VarId(1), 1);
-    let stop = below(position(0), number(0.0), vec![(speed, number(0.0))]);
+    let stop = below(
+        position(0),
+        number(0.0),
+        vec![(speed, velocity(0).pow(2.0).scale(0.01))],
+    );
     let ball = with_resets(&bodies(&[number(-9.81)]), vec![stop]);
     let time = instants(50, 0.02);
     let mut observer = Unwatched;
@@ -103,8 +107,5 @@ fn a_ball_that_stays_on_the_floor_ends_the_run() {
     let path = integrate(&leg, &[0.1, 0.0], &mut guard);
     let fault = path.fault.unwrap();
     assert_eq!(fault.kind.code(), "jumps-accumulate");
-    assert!(
-        (fault.time - f64::sqrt(0.2 / 9.81)).abs() < 1e-9,
-        "{fault:?}"
-    );
+    assert!(fault.time < 0.15, "{fault:?}");
 }
