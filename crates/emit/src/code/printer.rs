@@ -239,15 +239,34 @@ pub(crate) fn used_helpers(all: &[(bool, &str)]) -> String {
     used.map(|(_, text)| *text).collect()
 }
 
-/// Fills in numbers of states and switches, and the arguments as declared and as passed.
+/// Fills in numbers of states, switches and jumps, and the arguments as declared and as passed. Lines from `@JUMPS` to `@END` are for
+/// states that jump, those from `@STILL` for others.
 pub(crate) fn fill_placeholders(
     program: &Program,
     text: &str,
     arguments: (String, String),
 ) -> String {
     let (declared, passed) = arguments;
-    text.replace("@N@", &program.form.state.len().to_string())
+    for_jumps(text, !program.switches.resets.is_empty())
+        .replace("@N@", &program.form.state.len().to_string())
         .replace("@K@", &program.switches.len().to_string())
+        .replace("@R@", &program.switches.resets.len().to_string())
         .replace("@ARGS@", &declared)
         .replace("@PASS@", &passed)
+}
+
+/// The lines of a text for systems whose states jump, or do not.
+fn for_jumps(text: &str, jumps: bool) -> String {
+    let mut is_kept = true;
+    let mut out = String::with_capacity(text.len());
+    for line in text.split_inclusive('\n') {
+        match line.trim_end() {
+            "@JUMPS" => is_kept = jumps,
+            "@STILL" => is_kept = !jumps,
+            "@END" => is_kept = true,
+            _ if is_kept => out.push_str(line),
+            _ => {}
+        }
+    }
+    out
 }

@@ -92,7 +92,7 @@ impl<'a> ForcedRightSide<'a> {
 
     /// Sets the side of every switch after the inputs or the state jumped, or after `events`. Where the inputs, or a jump of the states,
     /// make the condition of another jump true, the states jump there too. `sizes`: typical sizes of the states; `jumped`: switches whose
-    /// jump is done.
+    /// jump is done: they jump again only after another.
     pub fn settle(
         &mut self,
         (t, x): (f64, &mut [f64]),
@@ -108,7 +108,7 @@ impl<'a> ForcedRightSide<'a> {
             self.guard_sizes = system.guard_sizes(work, x, sizes);
         }
         let sizes = &self.guard_sizes;
-        loop {
+        for _ in 0..SWITCHING.at_once {
             system.open_contacts(work, (t, &*x), sizes);
             let before = work.modes.clone();
             let contacts = system.settle(work, (t, &mut *x), sizes, &events)?;
@@ -117,10 +117,10 @@ impl<'a> ForcedRightSide<'a> {
             if events.is_empty() {
                 return self.begin_step(t, x);
             }
-            jumped.extend(&events);
             events.iter().for_each(|k| work.modes.0[*k] = before.0[*k]);
-            system.reset(work, (t, &mut *x), sizes, &mut events)?;
+            jumped = system.reset(work, (t, &mut *x), sizes, &mut events)?;
         }
+        Err(FaultKind::JumpsAccumulate)
     }
 
     /// Passes an event: lets the states jump, and settles the sides at `x`. If no side changes although the step from there to `end` crosses

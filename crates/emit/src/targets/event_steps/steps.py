@@ -1,12 +1,27 @@
+@JUMPS
+
+# Each jump of states: its guard, and the side that the guard leaves.
+_JUMPS = @RESETS@
+# For each guard that is the speed of a contact, the guard of its gap; else -1.
+_GAPS = np.array(@GAPS@)
+# The side of a guard that waits: the speed of bodies apart, the gap of bodies that lie on each other.
+_WAITS = 2.0
+@END
 
 
 def advance(t, state, h, *arguments, side=None):
     """One step of length h with inputs held, cut at the events within it: the state at its end, and the sides of all guards for the next
-    step. A side is 1, -1, or 0 where the guard is held at zero, as by dry friction at rest. Without sides those at the start are taken."""
+    step. A side is 1, -1, or 0 where the guard is held at zero, as by dry friction at rest@WAITS@. Without sides those at the start are
+    taken. The state is NaN where events accumulate."""
     state = np.array(state, dtype=float)
+@STILL
     side = settle(t, state, *arguments) if side is None else _following(t, state, h, arguments, side)
+@JUMPS
+    side = settle(t, state, *arguments) if side is None else side
+    state, side = _following(t, state, h, arguments, side)
+@END
     done = 0.0
-    for _ in range(100):
+    for _ in range(1000):
         left = h - done
         end = _classical(t + done, state, left, arguments, side)
         if np.all(_margins(t + h, end, arguments, side) >= 0.0):
@@ -20,16 +35,23 @@ def advance(t, state, h, *arguments, side=None):
         state = _classical(t + done, state, high, arguments, side)
         done += high
         crossed = _margins(t + done, state, arguments, side) < 0.0
+@STILL
         after = _decide(t + done, state, arguments, side, crossed)
         if high < 1e-12 * h and np.array_equal(after, side):
             after = np.where(crossed, np.sign(guards(t + h, end, *arguments)), side)
+@JUMPS
+        before = state
+        state, after = _passed(t + done, before, h, arguments, side, crossed)
+        if high < 1e-12 * h and np.array_equal(after, side) and np.array_equal(state, before):
+            after = _beyond(side, crossed, np.sign(guards(t + h, end, *arguments)))
+@END
         side = after
-    return end, side
+    return np.full_like(end, np.nan), side
 
 
 def run(times, state, *arguments, **options):
     """The state at each of these times, by scipy.integrate.solve_ivp from event to event; options are its own. Inputs are numbers, or a
-    function of time without jumps between two times."""
+    function of time without jumps between two times. States are NaN where events accumulate."""
     from scipy.integrate import solve_ivp
 
     options = {"rtol": 1e-9, "atol": 1e-12, **options}
@@ -37,6 +59,9 @@ def run(times, state, *arguments, **options):
     states = [state]
     side = settle(times[0], state, *arguments)
     for t, stop in zip(times[:-1], times[1:]):
+@JUMPS
+        span = stop - t
+@END
         for _ in range(1000):
 
             def rates(t, x, side=side):
@@ -55,37 +80,132 @@ def run(times, state, *arguments, **options):
                 break
             crossed = np.array([len(at) > 0 for at in found.t_events])
             moved, t = found.t[-1] - t, found.t[-1]
+@STILL
             after = _decide(t, state, arguments, side, crossed)
             if moved <= 0.0 and np.array_equal(after, side):
                 after = np.where(crossed, -side, side)
             side = after
+@JUMPS
+            before = state
+            state, after = _passed(t, before, span, arguments, side, crossed)
+            jumped = not np.array_equal(state, before)
+            if moved <= 0.0 and np.array_equal(after, side) and not jumped:
+                after = _beyond(side, crossed, -side)
+            side = after
+            if jumped:  # The solver begins a little off the guard.
+                off = min(1e-6 * span, stop - t)
+                state, t = _classical(t, state, off, arguments, side), t + off
+@END
+        else:
+            state = np.full_like(state, np.nan)
         states.append(state)
     return np.array(states)
 
 
 def settle(t, state, *arguments):
     """The sides of all guards at an instant."""
-    guard = guards(t, state, *arguments)
-    return _decide(t, state, arguments, np.sign(guard), guard == 0.0)
+    side = np.sign(guards(t, state, *arguments))
+@JUMPS
+    for k, leaves in _JUMPS:
+        side[k] = leaves if side[k] == 0.0 else side[k]
+    side[_GAPS >= 0] = _WAITS
+@END
+    return _decide(t, state, arguments, side, side == 0.0)
 
 
 def _following(t, state, h, arguments, side):
+@STILL
     """Sides where no guard is held, or kept on a side, that has moved away from it, as by an input that jumped."""
+@JUMPS
+    """State and sides where no guard is held, or kept on a side, that has moved away from it, as by an input that jumped."""
+@END
     side = np.array(side, dtype=float)
     guard = guards(t, state, *arguments)
+@STILL
     apart = np.flatnonzero(np.where(side == 0.0, guard != 0.0, side * guard < 0.0))
+@JUMPS
+    apart = np.flatnonzero((side != _WAITS) & np.where(side == 0.0, guard != 0.0, side * guard < 0.0))
+@END
     if len(apart) > 0:
-        start, slope = _contacts(t, state, arguments, side, apart)
-        reach = h * (np.abs(start) + np.abs(slope).sum(axis=1))
-        gone = apart[np.abs(guard[apart]) > 1e-7 * reach]
+        gone = apart[np.abs(guard[apart]) > 1e-7 * _reach(t, state, h, arguments, side, apart)]
+@STILL
         side[gone] = np.sign(guard[gone])
     return side
+@JUMPS
+        if len(gone) > 0:
+            crossed = np.zeros(len(side), dtype=bool)
+            crossed[gone] = True
+            return _passed(t, state, h, arguments, side, crossed)
+    return state, side
+
+
+def _passed(t, state, h, arguments, side, crossed):
+    """State and sides after an event. States jump where guards leave the sides at which they do; one jump may set off another."""
+    side, crossed, done = np.array(side, dtype=float), np.array(crossed), np.zeros(len(side), dtype=bool)
+    reach = np.zeros(len(side))
+    reach[crossed] = _reach(t, state, h, arguments, side, np.flatnonzero(crossed))
+    for _ in range(len(side) + 1):
+        fired = [r for r, (k, leaves) in enumerate(_JUMPS) if crossed[k] and side[k] == leaves and not done[k]]
+        if not fired:
+            break
+        before, guard_before, rows = state, guards(t, state, *arguments), jumps(t, state, *arguments)
+        state = np.array(before)
+        for r in fired:
+            state = np.where(rows[r] != before, rows[r], state)
+            done[_JUMPS[r][0]] = True
+        guard = guards(t, state, *arguments)
+        for k in np.flatnonzero((guard != guard_before) & (side != _WAITS)):
+            if side[k] == 0.0 and _GAPS[k] >= 0:
+                crossed[_GAPS[k]] = guard[k] < 0.0
+                _open(side, k)
+            elif (k, side[k]) in _JUMPS and not done[k] and side[k] * guard[k] < 0.0:
+                crossed[k] = True
+            elif guard[k] != 0.0:
+                side[k], crossed[k] = np.sign(guard[k]), False
+        for k in np.flatnonzero(_GAPS >= 0):
+            gap = _GAPS[k]
+            if gap in [_JUMPS[r][0] for r in fired] and crossed[gap]:
+                pull = guard_rates(t, state, *arguments, _held(t, state, arguments, side))[k]
+                if pull < 0.0 and 2.0 * guard[k] < -1e-4 * h * pull:  # The flight would be shorter than a part of the step.
+                    state = before + guard_before[k] / (guard_before[k] - guard[k]) * (state - before)
+                    side[gap], side[k], crossed[gap] = _WAITS, 0.0, False
+    guard = guards(t, state, *arguments)
+    away = crossed & (np.abs(guard) > 1e-7 * reach) & (side != 0.0)
+    side[away] = np.sign(guard[away])
+    return state, _decide(t, state, arguments, side, crossed & ~away)
+
+
+def _open(side, k):
+    """Lets the bodies of a contact part; k is the guard of their speed."""
+    side[k] = _WAITS
+    side[_GAPS[k]] = [leaves for gap, leaves in _JUMPS if gap == _GAPS[k]][0]
+
+
+def _beyond(side, crossed, there):
+    """Sides where crossed guards are taken to be on those that they have a step later."""
+    side = np.array(side)
+    for k in np.flatnonzero(crossed):
+        if _GAPS[k] >= 0:
+            _open(side, k)
+        else:
+            side[k] = there[k]
+    return side
+@END
+
+
+def _reach(t, state, h, arguments, side, contact):
+    """How far guards can move in a step."""
+    start, slope = _contacts(t, state, arguments, side, contact)
+    return h * (np.abs(start) + np.abs(slope).sum(axis=1))
 
 
 def _contacts(t, state, arguments, side, contact):
     """The rates of guards that are contacts: start + slope times their sides."""
     rest = np.array(side, dtype=float)
     rest[contact] = 0.0
+@JUMPS
+    rest[rest == _WAITS] = 0.0
+@END
     start = guard_rates(t, state, *arguments, rest)[contact]
     slope = np.zeros((len(contact), len(contact)))
     for j, k in enumerate(contact):
@@ -102,6 +222,10 @@ def _decide(t, state, arguments, side, crossed):
     start, slope = _contacts(t, state, arguments, side, contact)
     attracts = np.diag(slope) < 0.0
     held, own = attracts.copy(), np.where(attracts, 0.0, np.where(start < 0.0, -1.0, 1.0))
+@JUMPS
+    touches = _GAPS[contact] >= 0  # Bodies only push each other: the side is 0 or below it.
+    own[touches] = 0.0
+@END
     size = np.abs(start) + np.abs(slope).sum(axis=1)
     for _ in range(200):
         free = np.flatnonzero(held)
@@ -109,25 +233,42 @@ def _decide(t, state, arguments, side, crossed):
         own[free] = _solved(slope[np.ix_(free, free)], -(start + slope @ own)[free])
         rate = start + slope @ own
         wrong = np.where(held, np.abs(own) >= 1.0 - 1e-9, own * rate < -2e-9 * size)
+@JUMPS
+        wrong[touches] = np.where(held, own >= 0.0, rate < -2e-9 * size)[touches]
+@END
         if not wrong.any():
             break
         i = np.argmax(wrong)
         if held[i]:
+@STILL
             held[i], own[i] = False, np.sign(own[i])
+@JUMPS
+            held[i], own[i] = False, 0.0 if touches[i] else np.sign(own[i])
+@END
         elif attracts[i]:
             held[i] = True
         else:
             own[i] = np.sign(rate[i])
     side[contact] = np.where(held, 0.0, own)
+@JUMPS
+    for k in contact[touches & ~held]:
+        _open(side, k)
+@END
     return side
 
 
 def _held(t, state, arguments, side):
     """Sides with which all held guards stay at zero."""
     contact = np.flatnonzero(side == 0.0)
+@STILL
     if len(contact) == 0:
         return side
     full = np.array(side, dtype=float)
+@JUMPS
+    full = np.where(side == _WAITS, 0.0, side)
+    if len(contact) == 0:
+        return full
+@END
     start, slope = _contacts(t, state, arguments, side, contact)
     full[contact] = _solved(slope, -start)
     return full
@@ -141,7 +282,12 @@ def _solved(slope, right):
 def _margins(t, state, arguments, side):
     """What stays above zero until the next event."""
     full = _held(t, state, arguments, side)
+@STILL
     return np.where(side == 0.0, 1.0 - np.abs(full), side * guards(t, state, *arguments))
+@JUMPS
+    held = np.where(_GAPS >= 0, -full, 1.0 - np.abs(full))
+    return np.where(side == 0.0, held, np.where(side == _WAITS, 1.0, side * guards(t, state, *arguments)))
+@END
 
 
 def _classical(t, state, h, arguments, side):

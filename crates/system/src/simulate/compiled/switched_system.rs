@@ -246,7 +246,7 @@ impl CompiledSystem {
         left.map(|r| r.switch).collect()
     }
 
-    /// Lets the states jump where switches leave their sides, and takes out of `events` those whose guards the jump moved away from zero, and
+    /// Lets the states jump where switches leave their sides, and takes out of `events` those whose guards are not at zero after it, and
     /// contacts that closed. Out come the switches at which states jumped.
     ///
     /// # Errors
@@ -291,8 +291,8 @@ impl CompiledSystem {
         work.known = false;
         switches.run(work, given);
         let after = guards(work);
-        let stays = |k: &usize| (after[*k] - before[*k]).abs() <= SWITCHING.drift * sizes[*k];
-        events.retain(stays);
+        let is_small = |k: &usize, g: f64| g.abs() <= SWITCHING.drift * sizes[*k];
+        events.retain(|k| is_small(k, after[*k] - before[*k]) && is_small(k, after[*k]));
         for contact in &switches.contacts {
             if jumped.contains(&contact.gap) && self.stays_closed(switches, work, contact, sizes)? {
                 work.modes.close(contact);

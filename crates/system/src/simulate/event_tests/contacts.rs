@@ -88,7 +88,7 @@ fn one_body_pushes_another() {
     agree("pair", &pair, &time, &input, &[-1.0, 0.0, 0.0, 0.0], &known);
 }
 
-/// A body lies on another with a dry bearing, which a force moves down and up again: the contact opens where the support falls faster.
+/// A body lies on a support that a force moves: they part where the support falls faster.
 #[test]
 fn a_support_that_falls_away_loses_its_body() {
     let lands = below(
@@ -111,4 +111,46 @@ fn a_support_that_falls_away_loses_its_body() {
     let time = instants(40, 0.05);
     let input: Vec<f64> = (0..40).map(|k| if k < 20 { 0.5 } else { -2.0 }).collect();
     agree("support", &pair, &time, &input, &[0.0; 4], &known);
+}
+
+/// Two balls fall one upon the other: the lower strikes the floor, then the upper, in one instant.
+#[test]
+fn impacts_set_off_each_other() {
+    let floor = below(
+        position(0),
+        number(0.0),
+        vec![(SPEED, velocity(0).scale(-1.0))],
+    );
+    let swap = vec![
+        (SPEED, velocity(1)),
+        (Signal::derivative(VarId(2), 1), velocity(0)),
+    ];
+    let strike = below(position(1), position(0), swap);
+    let balls = with_resets(&bodies(&[number(-G), number(-G)]), vec![floor, strike]);
+    // Balls of the same mass exchange their speeds: the upper rises again to where it was, the lower to where it was.
+    let known = |t: f64| {
+        let fall = f64::sqrt(2.0 / G);
+        let s = match t < fall {
+            true => t,
+            false => 2.0 * fall - t,
+        };
+        let (y, v) = (
+            1.0 - 0.5 * G * s * s,
+            if t < fall {
+                -G * t
+            } else {
+                G * (2.0 * fall - t)
+            },
+        );
+        vec![y, v, y, v]
+    };
+    let time = instants(40, 0.02);
+    agree(
+        "balls",
+        &balls,
+        &time,
+        &[0.0; 40],
+        &[1.0, 0.0, 1.0, 0.0],
+        &known,
+    );
 }

@@ -109,3 +109,45 @@ fn jumps_that_accumulate_end_the_run() {
     assert_eq!(fault.kind.code(), "jumps-accumulate");
     assert!(fault.time < 0.15, "{fault:?}");
 }
+
+/// A relay whose threshold an input takes below the state: it switches at once, and goes on from there.
+#[test]
+fn a_relay_switches_when_its_threshold_falls() {
+    // x' = q − x with q that jumps from 2 to 0 above the threshold, and back below 0.5.
+    let (x, q) = (Signal::new(VarId(1)), Signal::new(VarId(2)));
+    let mut form = Form {
+        linear: true,
+        state: vec![x, q],
+        inputs: vec![INPUT],
+        unknowns: vec![
+            Signal::derivative(VarId(1), 1),
+            Signal::derivative(VarId(2), 1),
+        ],
+        rates: vec![Rate::Unknown(0), Rate::Unknown(1)],
+        ..Form::default()
+    };
+    let rates = [Expr::signal(q) - Expr::signal(x), Expr::zero()];
+    form.rows = (rates.into_iter().zip(&form.unknowns))
+        .map(|(rate, target)| form.row(rate, *target))
+        .collect();
+    let relay = with_resets(
+        &CompiledSystem::new(form).unwrap(),
+        vec![
+            below(Expr::signal(INPUT), Expr::signal(x), vec![(q, number(0.0))]),
+            below(Expr::signal(x), number(0.5), vec![(q, number(2.0))]),
+        ],
+    );
+    let known = |t: f64| {
+        let on = 2.0 - 1.4 * f64::exp(-t);
+        let off = (2.0 - 1.4 * f64::exp(-0.4)) * f64::exp(0.4 - t);
+        let again = 0.4 + f64::ln((2.0 - 1.4 * f64::exp(-0.4)) / 0.5);
+        match t {
+            t if t < 0.4 => vec![on, 2.0],
+            t if t < again => vec![off, 0.0],
+            t => vec![2.0 - 1.5 * f64::exp(again - t), 2.0],
+        }
+    };
+    let time = instants(16, 0.1);
+    let input: Vec<f64> = (0..16).map(|k| if k == 4 { 0.8 } else { 1.5 }).collect();
+    agree("relay", &relay, &time, &input, &[0.6, 2.0], &known);
+}

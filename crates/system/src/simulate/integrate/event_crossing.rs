@@ -37,10 +37,16 @@ pub(crate) fn crossing(
 ) -> Result<EventCrossing, FaultKind> {
     // A margin that starts slightly below zero by rounding counts as crossed only below that value.
     let floor: Vec<f64> = right_side.margins.iter().map(|m| m.min(0.0)).collect();
+    let modes = right_side.work.modes.0.clone();
     let mut margins = Vec::new();
     right_side.margins(t + h, end, &mut margins)?;
     let over = |margins: &[f64]| {
-        let above = margins.iter().zip(&floor).map(|(m, f)| m - f);
+        let above = margins.iter().zip(&floor).zip(&modes);
+        let above = above.map(|((m, f), mode)| match mode {
+            // A guard that stays at zero must not hide when others leave their sides.
+            Mode::Level if m == f => f64::INFINITY,
+            _ => m - f,
+        });
         above.fold(f64::INFINITY, f64::min)
     };
     let last = over(&margins);
