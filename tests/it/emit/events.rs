@@ -1,7 +1,8 @@
 //! Exported steps with sticking, slipping and switching, run in each language with jumping inputs and compared with our own runs.
 //!
-//! Three systems: a drive with dry friction under a stepwise force, two bodies with friction between ground and each other, coupled by their
-//! masses, and a body on a belt whose speed jumps.
+//! Systems that stick: a drive with dry friction under a stepwise force, two bodies with friction between ground and each other, coupled by
+//! their masses, and a body on a belt whose speed jumps. Systems whose states jump: a ball that comes to rest on the floor and is lifted, a
+//! body that strikes another between two walls, each with friction, and a relay with hysteresis.
 
 use std::fs;
 use std::path::Path;
@@ -20,7 +21,7 @@ pub(super) struct System {
     states: usize,
 }
 
-pub(super) fn systems() -> [System; 3] {
+pub(super) fn systems() -> Vec<System> {
     let variable = |name: &str, kind: &str, order: u8| serde_json::json!({"name": name, "kind": kind, "order": order});
     let equation = |target: &str, terms: &[(&str, f64)]| {
         let terms: Vec<_> = terms
@@ -34,7 +35,28 @@ pub(super) fn systems() -> [System; 3] {
             "sidc_result": 1, "time": "continuous", "variables": variables, "equations": equations
         })
     };
-    [
+    let jumping = |mut document: serde_json::Value, resets: &[(&str, &[(&str, &str)])]| {
+        let reset = |(when, jumps): &(&str, &[(&str, &str)])| {
+            let jumps = jumps
+                .iter()
+                .map(|(state, to)| serde_json::json!({"signal": state, "value": to}));
+            serde_json::json!({"when": when, "jumps": jumps.collect::<Vec<_>>()})
+        };
+        document["resets"] = resets.iter().map(reset).collect();
+        document
+    };
+    let strike = [
+        (
+            "x1 > x2",
+            &[
+                ("dx1", "dx1 - 0.9*(dx1 - dx2)"),
+                ("dx2", "dx2 + 0.6*(dx1 - dx2)"),
+            ][..],
+        ),
+        ("x2 > 0.4", &[("dx2", "0")][..]),
+        ("x1 < -0.3", &[("dx1", "0")][..]),
+    ];
+    vec![
         System {
             name: "drive",
             document: document(
@@ -90,6 +112,56 @@ pub(super) fn systems() -> [System; 3] {
             ),
             states: 2,
         },
+        System {
+            name: "ball",
+            document: jumping(
+                document(
+                    vec![variable("x1", "state", 2), variable("u", "input", 0)],
+                    vec![equation("ddx1", &[("1", -3.0), ("u", 2.0), ("dx1", -0.1)])],
+                ),
+                &[("x1 < 0", &[("dx1", "-0.6*dx1")])],
+            ),
+            states: 2,
+        },
+        System {
+            name: "strike",
+            document: jumping(
+                document(
+                    vec![
+                        variable("x1", "state", 2),
+                        variable("x2", "state", 2),
+                        variable("u", "input", 0),
+                    ],
+                    vec![
+                        equation("ddx1", &[("u", 1.0), ("sign(dx1)", -0.4)]),
+                        equation("ddx2", &[("sign(dx2)", -0.2), ("ddx1", 0.1)]),
+                    ],
+                ),
+                &strike,
+            ),
+            states: 4,
+        },
+        System {
+            name: "relay",
+            document: jumping(
+                document(
+                    vec![
+                        variable("x1", "state", 1),
+                        variable("x2", "state", 1),
+                        variable("u", "input", 0),
+                    ],
+                    vec![
+                        equation("dx1", &[("x1", -2.0), ("x2", 2.0), ("u", 1.0)]),
+                        equation("dx2", &[]),
+                    ],
+                ),
+                &[
+                    ("x1 > 1.2 - 0.1*u", &[("x2", "0")]),
+                    ("x1 < 0.4", &[("x2", "1.5")]),
+                ],
+            ),
+            states: 2,
+        },
     ]
 }
 
@@ -109,7 +181,14 @@ pub(super) fn ours(system: &System, folder: &Path) -> Vec<Vec<f64>> {
         .map(|(k, u)| format!("{:?},{u:?}\n", k as f64 * STEP))
         .collect::<String>();
     fs::write(path("data.csv"), format!("t,u\n{rows}")).unwrap();
-    let starts = (1..=system.states / 2).map(|i| format!("x{i}=0,dx{i}=0"));
+    let states = system.document["variables"].as_array().unwrap().iter();
+    let starts = states.filter(|v| v["kind"] == "state").map(|v| {
+        let name = v["name"].as_str().unwrap();
+        match v["order"].as_u64() {
+            Some(2) => format!("{name}=0,d{name}=0"),
+            _ => format!("{name}=0"),
+        }
+    });
     let starts = starts.collect::<Vec<_>>().join(",");
     let (document, data, out) = (path("R.json"), path("data.csv"), path("run.csv"));
     let args = [

@@ -143,7 +143,7 @@ fn shown_programs_print_what_is_shown() {
 #[test]
 fn the_shown_drive_sticks_and_is_let_go() {
     let folder = tempfile::tempdir().unwrap();
-    let [drive, ..] = systems();
+    let drive = systems().swap_remove(0);
     let document = folder.path().join("drive.json").display().to_string();
     fs::write(&document, drive.document.to_string()).unwrap();
     let code = sidc(&["export", &document, "--to", "python"]).stdout;

@@ -56,6 +56,7 @@ impl<A: Autodiff> Language for Module<A> {
     }
 
     fn check(&self, program: &Program) -> Result<(), String> {
+        program.refuse_jumps(Self::DIALECT.language)?;
         match A::NEWTON {
             Err(why) if !program.form.linear => Err(why.into()),
             _ => Ok(()),

@@ -247,10 +247,32 @@ pub(crate) fn fill_placeholders(
     arguments: (String, String),
 ) -> String {
     let (declared, passed) = arguments;
-    for_jumps(text, !program.switches.resets.is_empty())
+    let resets = || program.switches.resets.iter();
+    let gaps = program
+        .gaps()
+        .map(|gap| gap.map_or("-1".into(), |gap| gap.to_string()));
+    let listed = |all: Vec<String>| all.join(", ");
+    for_jumps(text, program.has_jumps())
         .replace("@N@", &program.form.state.len().to_string())
         .replace("@K@", &program.switches.len().to_string())
         .replace("@R@", &program.switches.resets.len().to_string())
+        .replace(
+            "@JUMP_PAIRS@",
+            &listed(
+                resets()
+                    .map(|r| format!("{:?}", (r.switch, r.leaves.side())))
+                    .collect(),
+            ),
+        )
+        .replace(
+            "@JUMP_GUARDS@",
+            &listed(resets().map(|r| r.switch.to_string()).collect()),
+        )
+        .replace(
+            "@JUMP_SIDES@",
+            &listed(resets().map(|r| format!("{:?}", r.leaves.side())).collect()),
+        )
+        .replace("@GAPS@", &listed(gaps.collect()))
         .replace("@ARGS@", &declared)
         .replace("@PASS@", &passed)
 }

@@ -36,7 +36,7 @@ const RESERVED: &[&str] = &[
     "return", "try", "while", "with", "yield",
     "np", "jax", "jnp", "ca", "function",
     "t", "state", "input", "parameter", "history", "constant", "slope", "step", "unknown", "derivatives", "next", "jacobian", "jacobian_input",
-    "outputs", "side", "guards", "rates_by_side", "guard_rates", "advance", "run", "settle", "SIDC_VERDICT", "SIDC_INPUT_DELAYS", "SIDC_CONSTANTS",
+    "outputs", "side", "after", "guards", "rates_by_side", "guard_rates", "jumps", "advance", "run", "settle", "SIDC_VERDICT", "SIDC_INPUT_DELAYS", "SIDC_CONSTANTS",
     "SIDC_PARAMETERS", "SIDC_COVARIANCE",
 ];
 

@@ -7,7 +7,7 @@ use crate::caveats::{caveats, delays, verdict_summary};
 use crate::code::identifiers::{Identifiers, ascii, plain, space_and_name};
 use crate::code::infix::{Infix, Syntax};
 use crate::code::parameters::{Parameters, number, numbers};
-use crate::code::printer::{Dialect, Language, Printer, commented};
+use crate::code::printer::{Dialect, Language, Printer, commented, fill_placeholders};
 use crate::code::program::{Argument, Function, Kind, Newton, Program, Solve};
 use sidc_lang::term::{Func, Node};
 use sidc_system::discovery::Discovery;
@@ -92,7 +92,7 @@ impl Language for Matlab {
             .computes(|n| matches!(n, Node::Root(_) | Node::Power(..) | Node::SymbolicPower(..)));
         let mut out = String::new();
         if !program.switches.is_empty() {
-            out.push_str(STEPS);
+            out.push_str(&fill_placeholders(program, STEPS, Default::default()));
         }
         if solves {
             out.push_str(SOLVE);
@@ -145,6 +145,7 @@ fn result(kind: Kind) -> &'static str {
         Kind::Jacobian => "slope",
         Kind::InputJacobian => "slope_input",
         Kind::Outputs => "output",
+        Kind::Jumps => "after",
     }
 }
 
@@ -368,5 +369,5 @@ pub(super) const RESERVED: &[&str] = &[
     "NaN", "Inf", "size", "isreal", "real_asin", "real_acos", "real_log", "real_sqrt", "real_power", "small_solve",
     "t", "state", "input", "parameter", "history", "constant", "rate", "slope", "slope_input", "output", "solved", "unknown", "settled", "step",
     "derivatives", "next", "jacobian", "jacobian_input", "outputs", "side", "guard", "guards", "rates_by_side", "guard_rates",
-    "advance", "run", "stops", "first_sides", "contacts", "following", "decide", "held_sides", "least_sides", "margins", "classical",
+    "after", "jumps", "passed", "opened", "beyond", "reaches", "jump_tables", "jumps_at", "floors", "touching", "advance", "run", "stops", "first_sides", "contacts", "following", "decide", "held_sides", "least_sides", "margins", "classical",
 ];

@@ -25,6 +25,7 @@ impl Target for Modelica {
 
     fn emit(&self, d: &Discovery) -> Result<Written, String> {
         let program = Program::new(d)?;
+        program.refuse_jumps("Modelica")?;
         check_continuous("Modelica", &program)?;
         let mut names = program.identifiers(d, RESERVED);
         let system = names.fresh(program.system.as_deref().unwrap_or("identified"));

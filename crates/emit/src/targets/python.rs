@@ -8,7 +8,9 @@ use crate::code::bracket_lists::LINE_WIDTH;
 use crate::code::identifiers::space_and_name;
 use crate::code::infix::Syntax;
 use crate::code::parameters::{Parameter, Parameters, numbers};
-use crate::code::printer::{Dialect, Language, Printer, commented, used_helpers};
+use crate::code::printer::{
+    Dialect, Language, Printer, commented, fill_placeholders, used_helpers,
+};
 use crate::code::program::{Function, Kind, Newton, Program, Step};
 use crate::code::python_modules::{constants, definition, dialect, newton};
 use sidc_lang::term::Func;
@@ -106,28 +108,29 @@ impl Language for Python {
     }
 
     fn matrix(&self, f: &Function) -> (String, String) {
-        let (rows, columns) = f.size;
+        let ((rows, columns), name) = (f.size, f.kind.matrix_name());
         (
-            format!("    slope = np.zeros(({rows}, {columns}) + np.shape(state)[1:])\n"),
-            "    return slope\n".into(),
+            format!("    {name} = np.zeros(({rows}, {columns}) + np.shape(state)[1:])\n"),
+            format!("    return {name}\n"),
         )
     }
 
-    fn cell(&self, _: &Function, row: usize, column: usize) -> String {
-        format!("slope[{row}, {column}]")
+    fn cell(&self, f: &Function, row: usize, column: usize) -> String {
+        format!("{}[{row}, {column}]", f.kind.matrix_name())
     }
 
     fn helpers(&self, program: &Program) -> String {
         let newton = program.makes(|s| matches!(s, Step::Newton(_)));
         let reads = program.functions.iter().any(|f| !f.body.reads.is_empty());
         let vectors = program.functions.iter().any(|f| !f.kind.is_matrix());
+        let steps = fill_placeholders(program, STEPS, Default::default());
         used_helpers(&[
             (reads, NUMBERS),
             (vectors, ROWS),
             (reads && program.is_delayed, INPUTS),
             (program.solves(|_| true), SOLVE),
             (newton, NEWTON),
-            (!program.switches.is_empty(), STEPS),
+            (!program.switches.is_empty(), &steps),
         ])
     }
 }

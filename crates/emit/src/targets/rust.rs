@@ -108,18 +108,18 @@ impl Language for Rust {
 
     fn matrix(&self, f: &Function) -> (String, String) {
         let (rows, columns) = f.size;
-        let zeros = format!("[[0.0; {columns}]; {rows}]");
+        let (zeros, name) = (format!("[[0.0; {columns}]; {rows}]"), f.kind.matrix_name());
         match f.entries().is_empty() {
             true => (format!("    {zeros}\n"), String::new()),
             false => (
-                format!("    let mut slope = {zeros};\n"),
-                "    slope\n".into(),
+                format!("    let mut {name} = {zeros};\n"),
+                format!("    {name}\n"),
             ),
         }
     }
 
-    fn cell(&self, _: &Function, row: usize, column: usize) -> String {
-        format!("slope[{row}][{column}]")
+    fn cell(&self, f: &Function, row: usize, column: usize) -> String {
+        format!("{}[{row}][{column}]", f.kind.matrix_name())
     }
 
     fn helpers(&self, program: &Program) -> String {
@@ -325,7 +325,8 @@ const RESERVED: &[&str] = &[
     "super", "trait", "true", "type", "unsafe", "use", "where", "while", "abstract", "become", "box", "do", "final", "macro",
     "override", "priv", "try", "typeof", "unsized", "virtual", "yield", "union", "Some", "None", "Ok", "Err", "f64", "t", "state", "input", "parameter", "history", "constant",
     "slope", "solve", "solve_2", "newton", "root", "sign", "derivatives", "next", "jacobian", "jacobian_input", "outputs",
-    "side", "guards", "rates_by_side", "guard_rates", "settle", "advance", "eliminate", "Held", "Vec",
+    "side", "after", "guards", "rates_by_side", "guard_rates", "jumps", "settle", "advance", "eliminate", "open", "Held", "Vec",
+    "JUMPS", "GAPS", "WAITS",
     "SIDC_VERDICT", "SIDC_INPUT_DELAYS", "SIDC_CONSTANTS",
 ];
 
@@ -344,6 +345,7 @@ mod tests {
             Kind::Guards,
             Kind::RatesBySide,
             Kind::GuardRates,
+            Kind::Jumps,
         ] {
             for discrete in [false, true] {
                 assert!(RESERVED.contains(&kind.name(discrete)));

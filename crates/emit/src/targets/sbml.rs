@@ -24,6 +24,7 @@ impl Target for Sbml {
 
     fn emit(&self, d: &Discovery) -> Result<Written, String> {
         let program = Program::new(d)?;
+        program.refuse_jumps("SBML")?;
         check_continuous("SBML", &program)?;
         let identifiers = program.identifiers(d, RESERVED);
         let body = program.formulas()?;

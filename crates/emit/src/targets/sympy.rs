@@ -25,6 +25,7 @@ impl Target for Sympy {
 
     fn emit(&self, d: &Discovery) -> Result<Written, String> {
         let program = Program::new(d)?;
+        program.refuse_jumps("SymPy")?;
         program.check_calls("SymPy", |f| f.spelling.sympy)?;
         let names = Identifiers::new(program.names.iter().cloned(), RESERVED.iter().copied());
         let body = program.sides()?;

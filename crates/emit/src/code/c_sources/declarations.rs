@@ -132,7 +132,8 @@ pub(super) fn about(program: &Program, f: &Function) -> String {
     let (rows, columns) = f.size;
     match f.kind.is_matrix() {
         true => {
-            format!("{about} slope[{columns}*i + j] is row i of {rows}, column j of {columns}.")
+            let name = result(f.kind);
+            format!("{about} {name}[{columns}*i + j] is row i of {rows}, column j of {columns}.")
         }
         false => format!("{about} {} has {rows} entries.", result(f.kind)),
     }
@@ -155,7 +156,7 @@ pub(super) fn result(kind: Kind) -> &'static str {
     match kind {
         Kind::Rates | Kind::RatesBySide | Kind::GuardRates => "rate",
         Kind::Guards => "guard",
-        Kind::Jacobian | Kind::InputJacobian => "slope",
+        Kind::Jacobian | Kind::InputJacobian | Kind::Jumps => kind.matrix_name(),
         Kind::Outputs => "output",
     }
 }

@@ -18,7 +18,8 @@ pub(super) const RESERVED: &[&str] = &[
     "t", "state", "input", "parameter", "history", "constant", "rate", "slope", "output", "mass", "right", "unknown", "settled", "step",
     "i", "sidc_solve", "sidc_solve_1", "sidc_solve_2", "sidc_settled", "sidc_root", "sidc_sign", "sidc_derivatives", "sidc_next", "sidc_jacobian",
     "sidc_jacobian_input", "sidc_outputs", "sidc_guards", "sidc_rates_by_side", "sidc_guard_rates", "sidc_settle", "sidc_advance", "sidc_step",
-    "side", "guard", "sidc_states", "sidc_switches", "SIDC_VERDICT", "SIDC_INPUT_DELAYS",
+    "side", "guard", "after", "sidc_states", "sidc_switches", "sidc_jumps", "sidc_jump_count", "sidc_jump_guards", "sidc_jump_sides", "sidc_gaps",
+    "sidc_waits", "SIDC_VERDICT", "SIDC_INPUT_DELAYS",
     "SIDC_CONSTANTS",
 ];
 

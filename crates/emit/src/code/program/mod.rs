@@ -5,11 +5,13 @@
 
 mod definitions;
 mod implicit_differentiation;
+mod kind;
 mod lowering;
 mod schedule;
 mod statements;
 mod strong_components;
 
+pub(crate) use kind::Kind;
 pub(crate) use statements::{Argument, Body, Name, Newton, Solve, Step};
 
 use definitions::Definitions;
@@ -60,75 +62,6 @@ pub(crate) struct Function {
     pub size: (usize, usize),
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
-    /// ẋ, or the next x.
-    Rates,
-    /// Derivatives of the rates by the state.
-    Jacobian,
-    /// Derivatives of the rates by the inputs.
-    InputJacobian,
-    Outputs,
-    /// An equation jumps where one of these is zero.
-    Guards,
-    /// ẋ for given sides of all switches.
-    RatesBySide,
-    /// The rates ġ of the guards for given sides.
-    GuardRates,
-}
-
-impl Kind {
-    /// The name of the function in code.
-    pub fn name(self, discrete: bool) -> &'static str {
-        match (self, discrete) {
-            (Kind::Rates, false) => "derivatives",
-            (Kind::Rates, true) => "next",
-            (Kind::Jacobian, _) => "jacobian",
-            (Kind::InputJacobian, _) => "jacobian_input",
-            (Kind::Outputs, _) => "outputs",
-            (Kind::Guards, _) => "guards",
-            (Kind::RatesBySide, _) => "rates_by_side",
-            (Kind::GuardRates, _) => "guard_rates",
-        }
-    }
-
-    /// A sentence that describes the function.
-    pub fn about(self, discrete: bool) -> &'static str {
-        match (self, discrete) {
-            (Kind::Rates, false) => "The time derivative of the state.",
-            (Kind::Rates, true) => "The next state.",
-            (Kind::Jacobian, false) => {
-                "The partial derivatives of `derivatives` (rows) by the state (columns)."
-            }
-            (Kind::Jacobian, true) => {
-                "The partial derivatives of `next` (rows) by the state (columns)."
-            }
-            (Kind::InputJacobian, false) => {
-                "The partial derivatives of `derivatives` (rows) by the input (columns)."
-            }
-            (Kind::InputJacobian, true) => {
-                "The partial derivatives of `next` (rows) by the input (columns)."
-            }
-            (Kind::Outputs, _) => "The outputs.",
-            (Kind::Guards, _) => "Where each of these is zero, an equation jumps.",
-            (Kind::RatesBySide, _) => {
-                "The time derivative of the state with the sides of all guards given, -1 to 1."
-            }
-            (Kind::GuardRates, _) => "The rates of the guards with their sides given.",
-        }
-    }
-
-    /// True if it takes the sides of all switches.
-    pub fn takes_sides(self) -> bool {
-        matches!(self, Kind::RatesBySide | Kind::GuardRates)
-    }
-
-    /// True if the result is a matrix.
-    pub fn is_matrix(self) -> bool {
-        matches!(self, Kind::Jacobian | Kind::InputJacobian)
-    }
-}
-
 impl Function {
     /// Row, column and node of every nonzero entry of the result.
     pub fn entries(&self) -> Vec<(usize, usize, usize)> {
@@ -141,14 +74,8 @@ impl Function {
 
 impl Program {
     /// # Errors
-    /// An equation mentions a signal that is no argument, or states jump.
+    /// An equation mentions a signal that is no argument.
     pub fn new(d: &Discovery) -> Result<Program, String> {
-        if let Some(reset) = d.resets.first() {
-            return Err(format!(
-                "no exported code lets states jump yet: `{}`; `sidc simulate` runs it",
-                reset.text(d)
-            ));
-        }
         let form = Form::symbolic(d);
         let named = |s: &Signal| (*s, d.name(*s));
         let groups = [
@@ -245,17 +172,53 @@ impl Program {
             vec![along.chain([guard.derivative(Signal::TIME)]).sum()]
         };
         let moving = guards.clone().map(moves).collect();
-        let none = Definitions::default();
         let column = |e: &Expr| vec![e.clone()];
-        Ok(vec![
-            self.function(Kind::Guards, none, guards.map(column).collect())?,
+        let none = Definitions::default;
+        let mut all = vec![
+            self.function(Kind::Guards, none(), guards.map(column).collect())?,
             self.function(
                 Kind::RatesBySide,
                 Definitions::new(smooth),
                 rates.iter().map(column).collect(),
             )?,
             self.function(Kind::GuardRates, Definitions::new(smooth), moving)?,
-        ])
+        ];
+        let resets = self.switches.resets.iter();
+        let after = resets.map(|reset| {
+            let value = |x: &Signal| {
+                let own = reset.jumps.iter().find(|(signal, _)| signal == x);
+                own.map_or(Expr::signal(*x), |(_, value)| value.clone())
+            };
+            smooth.state.iter().map(value).collect()
+        });
+        let after: Vec<Vec<Expr>> = after.collect();
+        if !after.is_empty() {
+            all.push(self.function(Kind::Jumps, none(), after)?);
+        }
+        Ok(all)
+    }
+
+    /// Whether states jump.
+    pub fn has_jumps(&self) -> bool {
+        !self.switches.resets.is_empty()
+    }
+
+    /// For each guard that is the speed of a contact, the guard of its gap.
+    pub fn gaps(&self) -> impl Iterator<Item = Option<usize>> {
+        let contacts = &self.switches.contacts;
+        let gap = |k| contacts.iter().find(|c| c.speed == k).map(|c| c.gap);
+        (0..self.switches.len()).map(gap)
+    }
+
+    /// # Errors
+    /// States jump, which the language has no word for.
+    pub fn refuse_jumps(&self, language: &str) -> Result<(), String> {
+        match self.has_jumps() {
+            true => Err(format!(
+                "the export to {language} lets no states jump: take `python`, `rust`, `c`, `matlab` or `fmi`"
+            )),
+            false => Ok(()),
+        }
     }
 
     /// The arguments of a function.

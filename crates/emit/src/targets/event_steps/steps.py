@@ -1,9 +1,9 @@
 @JUMPS
 
 # Each jump of states: its guard, and the side that the guard leaves.
-_JUMPS = @RESETS@
+_JUMPS = tuple(zip([@JUMP_GUARDS@], [@JUMP_SIDES@]))
 # For each guard that is the speed of a contact, the guard of its gap; else -1.
-_GAPS = np.array(@GAPS@)
+_GAPS = np.array([@GAPS@])
 # The side of a guard that waits: the speed of bodies apart, the gap of bodies that lie on each other.
 _WAITS = 2.0
 @END
@@ -11,36 +11,42 @@ _WAITS = 2.0
 
 def advance(t, state, h, *arguments, side=None):
     """One step of length h with inputs held, cut at the events within it: the state at its end, and the sides of all guards for the next
-    step. A side is 1, -1, or 0 where the guard is held at zero, as by dry friction at rest@WAITS@. Without sides those at the start are
-    taken. The state is NaN where events accumulate."""
+    step. A side is 1, -1, or 0 where the guard is held at zero, as by dry friction at rest. Without sides those at the start are taken.
+    The state is NaN where events accumulate."""
     state = np.array(state, dtype=float)
 @STILL
     side = settle(t, state, *arguments) if side is None else _following(t, state, h, arguments, side)
 @JUMPS
-    side = settle(t, state, *arguments) if side is None else side
+    side = _touching(t, state, h, arguments) if side is None else side
     state, side = _following(t, state, h, arguments, side)
 @END
     done = 0.0
     for _ in range(1000):
         left = h - done
         end = _classical(t + done, state, left, arguments, side)
-        if np.all(_margins(t + h, end, arguments, side) >= 0.0):
+        floor = _floor(t + done, state, arguments, side)
+        if not np.all(np.isfinite(end)) or np.all(_margins(t + h, end, arguments, side) >= floor):
             return end, side
         low, high = 0.0, left
         for _ in range(52):
             middle = 0.5 * (low + high)
             there = _classical(t + done, state, middle, arguments, side)
-            inside = np.all(_margins(t + done + middle, there, arguments, side) >= 0.0)
+            inside = np.all(_margins(t + done + middle, there, arguments, side) >= floor)
             low, high = (middle, high) if inside else (low, middle)
+@STILL
         state = _classical(t + done, state, high, arguments, side)
         done += high
-        crossed = _margins(t + done, state, arguments, side) < 0.0
-@STILL
+        crossed = _margins(t + done, state, arguments, side) < floor
         after = _decide(t + done, state, arguments, side, crossed)
         if high < 1e-12 * h and np.array_equal(after, side):
             after = np.where(crossed, np.sign(guards(t + h, end, *arguments)), side)
 @JUMPS
-        before = state
+        there = _classical(t + done, state, high, arguments, side)
+        crossed = _margins(t + done + high, there, arguments, side) < floor
+        # States jump where their guards are still on the sides that they leave.
+        at = low if np.all(_jumps_at(side)[crossed]) else high
+        before = _classical(t + done, state, at, arguments, side)
+        done += at
         state, after = _passed(t + done, before, h, arguments, side, crossed)
         if high < 1e-12 * h and np.array_equal(after, side) and np.array_equal(state, before):
             after = _beyond(side, crossed, np.sign(guards(t + h, end, *arguments)))
@@ -57,19 +63,24 @@ def run(times, state, *arguments, **options):
     options = {"rtol": 1e-9, "atol": 1e-12, **options}
     state = np.array(state, dtype=float)
     states = [state]
+@STILL
     side = settle(times[0], state, *arguments)
+@JUMPS
+    side = _touching(times[0], state, times[1] - times[0], arguments) if len(times) > 1 else None
+@END
     for t, stop in zip(times[:-1], times[1:]):
 @JUMPS
         span = stop - t
 @END
         for _ in range(1000):
+            floor = _floor(t, state, arguments, side)
 
             def rates(t, x, side=side):
                 return rates_by_side(t, x, *arguments, _held(t, x, arguments, side))
 
-            def event(k, side=side):
+            def event(k, side=side, floor=floor):
                 def margin(t, x):
-                    return _margins(t, x, arguments, side)[k] + 1e-15
+                    return _margins(t, x, arguments, side)[k] - floor[k] + 1e-15
 
                 margin.terminal, margin.direction = True, -1.0
                 return margin
@@ -104,15 +115,35 @@ def run(times, state, *arguments, **options):
 
 def settle(t, state, *arguments):
     """The sides of all guards at an instant."""
+@STILL
     side = np.sign(guards(t, state, *arguments))
 @JUMPS
+    guard = guards(t, state, *arguments)
+    side = np.sign(guard)
     for k, leaves in _JUMPS:
         side[k] = leaves if side[k] == 0.0 else side[k]
     side[_GAPS >= 0] = _WAITS
+    side = _decide(t, state, arguments, side, side == 0.0)
+    pull = guard_rates(t, state, *arguments, _held(t, state, arguments, side))
+    for k, gap in enumerate(_GAPS):
+        if gap >= 0 and guard[gap] == guard[k] == 0.0 and pull[k] < 0.0:
+            side[gap], side[k] = _WAITS, 0.0
 @END
     return _decide(t, state, arguments, side, side == 0.0)
 
 
+@JUMPS
+def _touching(t, state, h, arguments):
+    """The sides at an instant, with bodies apart that rounding has put into each other: by less than the flights that a step shows."""
+    side, guard = settle(t, state, *arguments), guards(t, state, *arguments)
+    pull = guard_rates(t, state, *arguments, _held(t, state, arguments, side))
+    for k, gap in enumerate(_GAPS):
+        if gap >= 0 and (gap, -side[gap]) in _JUMPS and abs(guard[gap]) <= 1e-9 * h * h * abs(pull[k]):
+            side[gap] = -side[gap]
+    return side
+
+
+@END
 def _following(t, state, h, arguments, side):
 @STILL
     """Sides where no guard is held, or kept on a side, that has moved away from it, as by an input that jumped."""
@@ -135,44 +166,59 @@ def _following(t, state, h, arguments, side):
         if len(gone) > 0:
             crossed = np.zeros(len(side), dtype=bool)
             crossed[gone] = True
-            return _passed(t, state, h, arguments, side, crossed)
+            return _passed(t, state, h, arguments, side, crossed, are_zero=False)
     return state, side
 
 
-def _passed(t, state, h, arguments, side, crossed):
-    """State and sides after an event. States jump where guards leave the sides at which they do; one jump may set off another."""
-    side, crossed, done = np.array(side, dtype=float), np.array(crossed), np.zeros(len(side), dtype=bool)
-    reach = np.zeros(len(side))
-    reach[crossed] = _reach(t, state, h, arguments, side, np.flatnonzero(crossed))
-    for _ in range(len(side) + 1):
-        fired = [r for r, (k, leaves) in enumerate(_JUMPS) if crossed[k] and side[k] == leaves and not done[k]]
+def _passed(t, state, h, arguments, side, crossed, are_zero=True):
+    """State and sides after an event, at which the crossed guards are zero, or an input that jumped has moved them. States jump where
+    guards leave the sides at which they do; one jump may set off another."""
+    side, crossed, landed = np.array(side, dtype=float), np.array(crossed), np.zeros(len(side), dtype=bool)
+    left, arrival = [], np.zeros(len(side))
+    for _ in range(64):
+        fired = [r for r, (k, leaves) in enumerate(_JUMPS) if crossed[k] and side[k] == leaves]
         if not fired:
-            break
+            guard, decided = guards(t, state, *arguments), np.array(side)
+            away = (crossed | landed) & (guard != 0.0) & (side != 0.0) & (not are_zero)
+            decided[away] = np.sign(guard[away])
+            decided = _decide(t, state, arguments, decided, crossed & ~away)
+            rates = guard_rates(t, state, *arguments, _held(t, state, arguments, decided))
+            beyond = landed & ~away & (side * rates < -1e-9 * arrival)  # The jump did not turn them.
+            decided[beyond] = -side[beyond]
+            again = [k for k, leaves in _JUMPS if side[k] == leaves and decided[k] == -leaves and k not in left]
+            if not again:
+                return state, decided
+            crossed[again], left = True, []
+            continue
         before, guard_before, rows = state, guards(t, state, *arguments), jumps(t, state, *arguments)
-        state = np.array(before)
         for r in fired:
             state = np.where(rows[r] != before, rows[r], state)
-            done[_JUMPS[r][0]] = True
         guard = guards(t, state, *arguments)
+        left = [_JUMPS[r][0] for r in fired]
+        arrival[left] = np.abs(guard_rates(t, before, *arguments, _held(t, before, arguments, side))[left])
+        crossed[left], landed[left] = False, True
         for k in np.flatnonzero((guard != guard_before) & (side != _WAITS)):
             if side[k] == 0.0 and _GAPS[k] >= 0:
                 crossed[_GAPS[k]] = guard[k] < 0.0
                 _open(side, k)
-            elif (k, side[k]) in _JUMPS and not done[k] and side[k] * guard[k] < 0.0:
-                crossed[k] = True
+            elif k not in left and (k, side[k]) in _JUMPS and side[k] * guard[k] < 0.0:
+                crossed[k], landed[k] = True, False
             elif guard[k] != 0.0:
-                side[k], crossed[k] = np.sign(guard[k]), False
-        for k in np.flatnonzero(_GAPS >= 0):
-            gap = _GAPS[k]
-            if gap in [_JUMPS[r][0] for r in fired] and crossed[gap]:
-                pull = guard_rates(t, state, *arguments, _held(t, state, arguments, side))[k]
-                if pull < 0.0 and 2.0 * guard[k] < -1e-4 * h * pull:  # The flight would be shorter than a part of the step.
+                side[k], landed[k] = np.sign(guard[k]), False
+            elif (k, side[k]) not in _JUMPS:
+                crossed[k] = True
+        for k in [k for k, gap in enumerate(_GAPS) if gap in left and landed[gap]]:
+            pull = guard_rates(t, state, *arguments, _held(t, state, arguments, side))[k]
+            if pull < 0.0 and 2.0 * guard[k] < -1e-4 * h * pull:  # The flight would last a small part of the step.
+                if guard[k] != guard_before[k]:  # Where the jump would end at rest.
                     state = before + guard_before[k] / (guard_before[k] - guard[k]) * (state - before)
-                    side[gap], side[k], crossed[gap] = _WAITS, 0.0, False
-    guard = guards(t, state, *arguments)
-    away = crossed & (np.abs(guard) > 1e-7 * reach) & (side != 0.0)
-    side[away] = np.sign(guard[away])
-    return state, _decide(t, state, arguments, side, crossed & ~away)
+                side[_GAPS[k]], side[k], landed[_GAPS[k]] = _WAITS, 0.0, False
+    return np.full_like(state, np.nan), side
+
+
+def _jumps_at(side):
+    """Of each guard whether states jump where it leaves its side."""
+    return np.array([(k, s) in _JUMPS for k, s in enumerate(side)])
 
 
 def _open(side, k):
@@ -184,7 +230,7 @@ def _open(side, k):
 def _beyond(side, crossed, there):
     """Sides where crossed guards are taken to be on those that they have a step later."""
     side = np.array(side)
-    for k in np.flatnonzero(crossed):
+    for k in np.flatnonzero(crossed & ~_jumps_at(side)):
         if _GAPS[k] >= 0:
             _open(side, k)
         else:
@@ -280,7 +326,7 @@ def _solved(slope, right):
 
 
 def _margins(t, state, arguments, side):
-    """What stays above zero until the next event."""
+    """What stays above its floor until the next event."""
     full = _held(t, state, arguments, side)
 @STILL
     return np.where(side == 0.0, 1.0 - np.abs(full), side * guards(t, state, *arguments))
@@ -288,6 +334,11 @@ def _margins(t, state, arguments, side):
     held = np.where(_GAPS >= 0, -full, 1.0 - np.abs(full))
     return np.where(side == 0.0, held, np.where(side == _WAITS, 1.0, side * guards(t, state, *arguments)))
 @END
+
+
+def _floor(t, state, arguments, side):
+    """Zero, or what rounding left below it where a guard has just gone to its side."""
+    return np.where(side == 0.0, 0.0, np.minimum(_margins(t, state, arguments, side), 0.0))
 
 
 def _classical(t, state, h, arguments, side):

@@ -20,8 +20,8 @@ static void settle(Values *v)
 @SETTLE@
 }
 
-/* The sides of the guards after an event; no event changes the state. */
-static void decide(Values *v)
+/* Moves sides and states past an event: whether the states jumped. */
+static int decide(Values *v)
 {
 @DECIDE@
 }

@@ -21,6 +21,7 @@ enum {
 typedef struct {
     double t, state[STATES + 1], input[INPUTS + 1], parameter[PARAMETERS + 1], side[GUARDS + 1];
     double before[INPUTS + 1]; /* The inputs when event mode was entered. */
+    double begin;              /* When the simulation began. */
 } Values;
 
 typedef struct {
@@ -29,7 +30,7 @@ typedef struct {
     fmi3LogMessageCallback log;
 } Model;
 
-static const Values start = {0.0, {@STATES@}, {@INPUTS@}, {@PARAMETERS@}, {0.0}, {0.0}};
+static const Values start = {0.0, {@STATES@}, {@INPUTS@}, {@PARAMETERS@}, {0.0}, {0.0}, 0.0};
 
 static fmi3Status refused(fmi3Instance instance, const char *why)
 {
@@ -140,6 +141,7 @@ fmi3Status fmi3ExitInitializationMode(fmi3Instance instance)
         }
     }
     settle(v);
+    v->begin = v->t;
     memcpy(v->before, v->input, sizeof v->before);
     return fmi3OK;
 }
@@ -288,9 +290,9 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *again, f
                                     fmi3Boolean *states, fmi3Boolean *has_next, fmi3Float64 *next)
 {
     Values *v = &((Model *)instance)->now;
-    decide(v);
+    *states = decide(v) ? fmi3True : fmi3False;
     memcpy(v->before, v->input, sizeof v->before);
-    *again = *terminate = *nominals = *states = *has_next = fmi3False;
+    *again = *terminate = *nominals = *has_next = fmi3False;
     *next = 0.0;
     return fmi3OK;
 }
