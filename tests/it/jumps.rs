@@ -198,10 +198,12 @@ fn a_result_runs_its_jumps() {
     let worst = measured.iter().zip(&simulated).map(|(a, b)| (a - b).abs());
     assert!(worst.fold(0.0, f64::max) < 1e-5);
     let code = sidc(&["export", "r.json", "--to", "python"]);
+    assert!(code.stdout.contains("def jumps("), "{}", code.stderr);
+    let none = sidc(&["export", "r.json", "--to", "julia"]);
     assert!(
-        code.stderr.contains("when y < 0 : dy -> -e*dy"),
+        none.stderr.contains("the export to Julia lets no states jump"),
         "{}",
-        code.stderr
+        none.stderr
     );
     let text = sidc(&["export", "r.json", "--to", "text"]);
     assert!(

@@ -265,7 +265,7 @@ mod tests {
             let rows: Vec<&[f64]> = slope.iter().map(Vec::as_slice).collect();
             // Every third is the contact of two bodies, the others are friction.
             let kind = |i: usize| {
-                if (case + i) % 3 == 0 {
+                if (case + i).is_multiple_of(3) {
                     Mode::Closed
                 } else {
                     Mode::Level

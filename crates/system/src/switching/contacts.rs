@@ -4,24 +4,11 @@
 //! leaves the guard, g = ġ = 0, a force in this direction keeps it there while the other forces press it on (Brogliato, "Nonsmooth Mechanics",
 //! 2016, ch. 5: a contact law on accelerations after the impacts).
 
-use super::modes::{Mode, Modes};
+use super::modes::Contact;
 use super::switches::{ResetMap, Switches};
 use super::thresholds::SWITCHING;
 use sidc_lang::term::{Expr, Signal};
 use std::collections::BTreeSet;
-
-/// A contact of two bodies, or of one and a wall.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Contact {
-    /// The switch whose guard is the gap between them.
-    pub gap: usize,
-    /// The side on which they are apart.
-    pub apart: Mode,
-    /// The switch whose guard is the rate at which the gap opens.
-    pub speed: usize,
-    /// What a unit of that switch's σ adds to the rates of states. σ is zero or below it: the force only pushes apart.
-    pub force: Vec<(Signal, Expr)>,
-}
 
 /// What the laws of a system say about its signals.
 pub struct Kinematics<'a> {
@@ -91,7 +78,7 @@ impl Kinematics<'_> {
             let change = value.clone() - Expr::signal(*signal);
             let force = change.derivative(*lead) / by_lead.clone();
             let is_in_proportion = are_equal(&change, &(force.clone() * speed.clone()));
-            (has_law && is_in_proportion).then(|| (*signal, force))
+            (has_law && is_in_proportion).then_some((*signal, force))
         };
         reset.jumps.iter().map(force).collect()
     }
@@ -119,28 +106,4 @@ fn are_equal(a: &Expr, b: &Expr) -> bool {
     agree
         .next()
         .is_some_and(|first| first && agree.all(|same| same))
-}
-
-impl Modes {
-    /// Brings the bodies of a contact together: its force begins, and its gap waits.
-    pub fn close(&mut self, contact: &Contact) {
-        self.0[contact.gap] = Mode::Idle;
-        self.0[contact.speed] = Mode::Closed;
-    }
-
-    /// Lets the bodies part.
-    pub fn open(&mut self, contact: &Contact) {
-        self.0[contact.gap] = contact.apart;
-        self.0[contact.speed] = Mode::Idle;
-    }
-
-    /// Lets the bodies part where a contact has let go of its speed.
-    pub fn open_released(&mut self, contacts: &[Contact]) {
-        for contact in contacts {
-            let (gap, speed) = (self.0[contact.gap], self.0[contact.speed]);
-            if (gap, speed) == (Mode::Idle, Mode::Idle) {
-                self.open(contact);
-            }
-        }
-    }
 }

@@ -15,7 +15,7 @@ mod switches;
 pub mod thresholds;
 
 pub use contact_problem::{GuardRates, SlidingRates, above_rounding, least_norm};
-pub use contacts::{Contact, Kinematics};
+pub use contacts::Kinematics;
 pub use event_location::{Located, locate};
-pub use modes::{Mode, Modes};
+pub use modes::{Contact, Mode, Modes};
 pub use switches::{ResetMap, Switches};

@@ -1,4 +1,6 @@
-//! On which side of its guard each switch is.
+//! On which side of its guard each switch is; bodies in contact, and apart.
+
+use sidc_lang::term::{Expr, Signal};
 
 /// The side of a switch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,6 +23,19 @@ pub enum Mode {
 /// The sides of all switches.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Modes(pub Vec<Mode>);
+
+/// A contact of two bodies, or of one and a wall.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contact {
+    /// The switch whose guard is the gap between them.
+    pub gap: usize,
+    /// The side on which they are apart.
+    pub apart: Mode,
+    /// The switch whose guard is the rate at which the gap opens.
+    pub speed: usize,
+    /// What a unit of that switch's σ adds to the rates of states. σ is zero or below it: the force only pushes apart.
+    pub force: Vec<(Signal, Expr)>,
+}
 
 impl Mode {
     /// The side on which a guard of this value is.
@@ -68,5 +83,29 @@ impl Modes {
 
     pub fn any_is_held(&self) -> bool {
         self.0.iter().any(|m| m.is_held())
+    }
+}
+
+impl Modes {
+    /// Brings the bodies of a contact together: its force begins, and its gap waits.
+    pub fn close(&mut self, contact: &Contact) {
+        self.0[contact.gap] = Mode::Idle;
+        self.0[contact.speed] = Mode::Closed;
+    }
+
+    /// Lets the bodies part.
+    pub fn open(&mut self, contact: &Contact) {
+        self.0[contact.gap] = contact.apart;
+        self.0[contact.speed] = Mode::Idle;
+    }
+
+    /// Lets the bodies part where a contact has let go of its speed.
+    pub fn open_released(&mut self, contacts: &[Contact]) {
+        for contact in contacts {
+            let (gap, speed) = (self.0[contact.gap], self.0[contact.speed]);
+            if (gap, speed) == (Mode::Idle, Mode::Idle) {
+                self.open(contact);
+            }
+        }
     }
 }

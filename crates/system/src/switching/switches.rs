@@ -3,8 +3,7 @@
 //! In: expressions. Out: their guards, each once, and the expressions with σ in place of `sign(g)`, (1 + σ)/2 of `step(g)`, σ·g of
 //! `abs(g)`; `min` and `max` are those of two, by the sign of the difference.
 
-use super::contacts::Contact;
-use super::modes::{Mode, Modes};
+use super::modes::{Contact, Mode, Modes};
 use sidc_lang::model::Reset;
 use sidc_lang::term::{Atom, Expr, Func, Signal, Smoothness, Term, VarId};
 
