@@ -99,7 +99,11 @@ fn found(document: &Value) -> Vec<(String, String)> {
         .iter()
         .map(|e| {
             let terms: Vec<String> = e["terms"].as_array().unwrap().iter().map(term).collect();
-            (e["target"].as_str().unwrap().into(), terms.join(" + "))
+            let right = match terms.is_empty() {
+                true => "0".into(),
+                false => terms.join(" + "),
+            };
+            (e["target"].as_str().unwrap().into(), right)
         })
         .collect()
 }

@@ -201,7 +201,8 @@ fn a_result_runs_its_jumps() {
     assert!(code.stdout.contains("def jumps("), "{}", code.stderr);
     let none = sidc(&["export", "r.json", "--to", "julia"]);
     assert!(
-        none.stderr.contains("the export to Julia lets no states jump"),
+        none.stderr
+            .contains("the export to Julia lets no states jump"),
         "{}",
         none.stderr
     );

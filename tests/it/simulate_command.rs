@@ -5,6 +5,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 use sidc::pipeline;
 use sidc_lang::source::Sources;
+use sidc_lang::term::{Expr, Language, Signal, SignalNames};
 use sidc_system::result;
 use sidc_system::simulate::Options;
 
@@ -284,6 +285,13 @@ fn truth(text: &str) -> (Header, Value) {
     let unknowns = header.unknowns.iter();
     let unknowns = unknowns.map(|(name, value)| json!({ "name": name, "value": value }));
     document["unknowns"] = unknowns.collect();
+    let language = Language(&model);
+    let jump = |(signal, value): &(Signal, Expr)| json!({ "signal": model.name(*signal), "value": language.expr(value) });
+    let resets = model.resets.iter().map(|r| {
+        let jumps: Vec<Value> = r.jumps.iter().map(jump).collect();
+        json!({ "when": r.condition.text(&model), "jumps": jumps })
+    });
+    document["resets"] = resets.collect();
     // If the header gives no values of a hidden state, a typical size is assumed.
     let hidden = model.hidden_states();
     let hidden = hidden

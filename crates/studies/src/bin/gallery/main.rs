@@ -33,9 +33,12 @@ mod lotka_volterra;
 mod michaelis_menten;
 mod motor_current;
 mod narx;
+mod neuron;
 mod pendulum_lengths;
 mod predator;
 mod reactor;
+mod relay;
+mod rigid_ball;
 mod rlc;
 mod seir;
 mod sir;
@@ -84,9 +87,12 @@ const SYSTEMS: &[(&str, Tables)] = &[
     ("michaelis_menten", michaelis_menten::tables),
     ("motor_current",    motor_current::tables),
     ("narx",             narx::tables),
+    ("neuron",           neuron::tables),
     ("pendulum_lengths", pendulum_lengths::tables),
     ("predator",         predator::tables),
     ("reactor",          reactor::tables),
+    ("relay",            relay::tables),
+    ("rigid_ball",       rigid_ball::tables),
     ("rlc",              rlc::tables),
     ("seir",             seir::tables),
     ("sir",              sir::tables),
