@@ -1,9 +1,9 @@
 //! The forces that act while guards are at zero: a linear complementarity problem with bounds.
 //!
 //! In: the rates ġ of all guards as a function of σ, which is affine in each. Out: σ and mode of every contact. Either σ keeps a contact,
-//! ġ = 0 and |σ| < 1, or σ = 1 and g rises, or σ = −1 and g falls; where bodies touch, either ġ = 0 and σ < 0, or σ = 0 and g rises. With friction alone ∂ġ/∂σ is a negative definite matrix scaled by
-//! positive numbers, so that there is one answer, which principal pivoting by the least index finds (Murty, "Linear Complementarity, Linear
-//! and Nonlinear Programming", 1988, ch. 4).
+//! ġ = 0 and |σ| < 1, or σ = 1 and g rises, or σ = −1 and g falls; where bodies touch, either ġ = 0 and σ < 0, or σ = 0 and g rises. With
+//! friction alone ∂ġ/∂σ is a negative definite matrix scaled by positive numbers, so that there is one answer, which principal pivoting by
+//! the least index finds (Murty, "Linear Complementarity, Linear and Nonlinear Programming", 1988, ch. 4).
 
 use super::modes::{Mode, Modes};
 use super::thresholds::SWITCHING;
@@ -87,8 +87,8 @@ impl SlidingRates {
         for _ in 0..SWITCHING.pivots {
             let free: Vec<usize> = (0..m).filter(|i| held[*i]).collect();
             if !self.keep(&free, &mut own) {
-                free.iter().for_each(|i| held[*i] = false);
                 for i in free {
+                    held[i] = false;
                     own[i] = if touches[i] {
                         0.0
                     } else {

@@ -1,5 +1,6 @@
 @JUMPS
 
+
 # Each jump of states: its guard, and the side that the guard leaves.
 _JUMPS = tuple(zip([@JUMP_GUARDS@], [@JUMP_SIDES@]))
 # For each guard that is the speed of a contact, the guard of its gap; else -1.

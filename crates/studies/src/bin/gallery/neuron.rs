@@ -16,12 +16,12 @@ pub fn tables() -> Vec<(&'static str, Table)> {
         table.push(&[*t, decimals(v + 0.1 * random.normal(), 3), input]);
         // One sample on: dv = (−65 − v + I)/12, from jump to jump.
         let (rest, mut left) = (-65.0 + input, 0.5);
-        while rest > top {
-            let fires = tau * f64::ln((rest - v) / (rest - top));
-            if fires > left {
-                break;
-            }
-            (v, left) = (low, left - fires);
+        let fires = |v: f64| match rest > top {
+            true => tau * f64::ln((rest - v) / (rest - top)),
+            false => f64::INFINITY,
+        };
+        while fires(v) <= left {
+            (v, left) = (low, left - fires(v));
         }
         v = rest + (v - rest) * f64::exp(-left / tau);
     }
