@@ -2,7 +2,7 @@
 //!
 //! Systems that stick: a drive with dry friction under a stepwise force, two bodies with friction between ground and each other, coupled by
 //! their masses, and a body on a belt whose speed jumps. Systems whose states jump: a ball that comes to rest on the floor and is lifted, a
-//! body that strikes another between two walls, each with friction, and a relay with hysteresis.
+//! body that strikes another between two walls, each with friction, a body that is slowed where it passes, and a relay with hysteresis.
 
 use std::fs;
 use std::path::Path;
@@ -140,6 +140,23 @@ pub(super) fn systems() -> Vec<System> {
                 &strike,
             ),
             states: 4,
+        },
+        System {
+            name: "membrane",
+            document: jumping(
+                document(
+                    vec![variable("x1", "state", 2), variable("u", "input", 0)],
+                    vec![equation(
+                        "ddx1",
+                        &[("x1", -1.5), ("u", 1.0), ("dx1", -0.2), ("sign(dx1)", -0.9)],
+                    )],
+                ),
+                &[
+                    ("x1 > 0.3", &[("dx1", "0.7*dx1")]),
+                    ("x1 < -0.2", &[("dx1", "0.7*dx1")]),
+                ],
+            ),
+            states: 2,
         },
         System {
             name: "relay",

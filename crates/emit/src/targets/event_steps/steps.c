@@ -398,7 +398,7 @@ static void sidc_pass(double t, double h, double *state@ARGS@, double *side, int
             sidc_held(t, state@PASS@, side, full);
             sidc_guard_rates(t, state@PASS@, full, rate);
             /* The bodies stay together where the flight would last a small part of the step. */
-            if (rate[k] < 0.0 && 2.0 * guard[k] < -1e-4 * h * rate[k]) {
+            if (guard[k] >= 1e-9 * guard_before[k] && rate[k] < 0.0 && 2.0 * guard[k] < -1e-4 * h * rate[k]) {
                 /* Where the jump would end at rest. */
                 const double moved = guard_before[k] - guard[k];
                 const double part = moved == 0.0 ? 1.0 : guard_before[k] / moved;

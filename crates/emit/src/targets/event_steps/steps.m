@@ -225,7 +225,8 @@ function [state, side] = passed(t, state, h, side, crossed, are_zero, varargin)
         continue
       end
       pull = guard_rates(t, state, varargin{:}, held_sides(t, state, side, varargin{:}));
-      if pull(k) < 0 && 2 * guard(k) < -1e-4 * h * pull(k) % The flight would last a small part of the step.
+      turned = guard(k) >= 1e-9 * guard_before(k);
+      if turned && pull(k) < 0 && 2 * guard(k) < -1e-4 * h * pull(k) % The flight would last a small part of the step.
         if guard(k) ~= guard_before(k) % Where the jump would end at rest.
           state = before + guard_before(k) / (guard_before(k) - guard(k)) * (state - before);
         end

@@ -210,7 +210,8 @@ def _passed(t, state, h, arguments, side, crossed, are_zero=True):
                 crossed[k] = True
         for k in [k for k, gap in enumerate(_GAPS) if gap in left and landed[gap]]:
             pull = guard_rates(t, state, *arguments, _held(t, state, arguments, side))[k]
-            if pull < 0.0 and 2.0 * guard[k] < -1e-4 * h * pull:  # The flight would last a small part of the step.
+            turned = guard[k] >= 1e-9 * guard_before[k]
+            if turned and pull < 0.0 and 2.0 * guard[k] < -1e-4 * h * pull:  # The flight would last a small part of the step.
                 if guard[k] != guard_before[k]:  # Where the jump would end at rest.
                     state = before + guard_before[k] / (guard_before[k] - guard[k]) * (state - before)
                 side[_GAPS[k]], side[k], landed[_GAPS[k]] = _WAITS, 0.0, False
