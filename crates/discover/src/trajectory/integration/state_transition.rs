@@ -65,6 +65,8 @@ impl StateTransition {
 
     /// old ← whole · old
     pub fn compose(&mut self, old: &mut Vec<f64>, n: usize, lanes: usize) {
+        // An event may come before any step of these lanes.
+        self.temp.resize(n * n * lanes, 0.0);
         wide(|| multiply(&self.whole, old, &mut self.temp, n, lanes));
         std::mem::swap(old, &mut self.temp);
     }
@@ -117,5 +119,22 @@ fn multiply(a: &[f64], b: &[f64], c: &mut [f64], n: usize, lanes: usize) {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// After a step of many intervals an event of a single one multiplies its transition alone.
+    #[test]
+    fn a_product_has_as_many_lanes_as_its_factors() {
+        let mut transition = StateTransition::default();
+        let zero = [0.0; 4 * 3];
+        transition.step([&zero; 3], &[0.1; 3], 2);
+        transition.whole = vec![0.0, 1.0, 2.0, 0.0];
+        let mut old = vec![1.0, 2.0, 3.0, 4.0];
+        transition.compose(&mut old, 2, 1);
+        assert_eq!(old, [3.0, 4.0, 2.0, 4.0]);
     }
 }
