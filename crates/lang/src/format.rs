@@ -263,7 +263,9 @@ impl<'a, 't> Layout<'a, 't> {
                     || left.text == ">" && !keyword.is_some_and(Keyword::compares)
             }
             TokenKind::Name => {
-                !(keyword.is_some_and(|k| k.text() == left.text) || left.text == "step")
+                let begins_range = keyword == Some(Keyword::Unknown) && left.text == "in";
+                let is_keyword = keyword.is_some_and(|k| k.text() == left.text);
+                !(is_keyword || begins_range || left.text == "step")
             }
             _ => true,
         }
