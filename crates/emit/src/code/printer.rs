@@ -10,6 +10,7 @@ use crate::code::program::{Function, Kind, Name, Newton, Program, Solve, Step};
 use crate::target::{Target, Written};
 use sidc_lang::term::{Func, Node, Signal};
 use sidc_system::discovery::Discovery;
+use sidc_system::switching::ResetMap;
 
 /// How the statements of a language look.
 pub(crate) struct Dialect {
@@ -247,32 +248,24 @@ pub(crate) fn fill_placeholders(
     arguments: (String, String),
 ) -> String {
     let (declared, passed) = arguments;
-    let resets = || program.switches.resets.iter();
-    let gaps = program
-        .gaps()
-        .map(|gap| gap.map_or("-1".into(), |gap| gap.to_string()));
-    let listed = |all: Vec<String>| all.join(", ");
+    let resets = &program.switches.resets;
+    let of_resets = |text: &dyn Fn(&ResetMap) -> String| {
+        let all: Vec<String> = resets.iter().map(text).collect();
+        all.join(", ")
+    };
+    let guards = of_resets(&|r| r.switch.to_string());
+    let sides = of_resets(&|r| format!("{:?}", r.leaves.side()));
+    let pairs = of_resets(&|r| format!("{:?}", (r.switch, r.leaves.side())));
+    let gap = |gap: Option<usize>| gap.map_or("-1".into(), |gap| gap.to_string());
+    let gaps: Vec<String> = program.gaps().map(gap).collect();
     for_jumps(text, program.has_jumps())
         .replace("@N@", &program.form.state.len().to_string())
         .replace("@K@", &program.switches.len().to_string())
-        .replace("@R@", &program.switches.resets.len().to_string())
-        .replace(
-            "@JUMP_PAIRS@",
-            &listed(
-                resets()
-                    .map(|r| format!("{:?}", (r.switch, r.leaves.side())))
-                    .collect(),
-            ),
-        )
-        .replace(
-            "@JUMP_GUARDS@",
-            &listed(resets().map(|r| r.switch.to_string()).collect()),
-        )
-        .replace(
-            "@JUMP_SIDES@",
-            &listed(resets().map(|r| format!("{:?}", r.leaves.side())).collect()),
-        )
-        .replace("@GAPS@", &listed(gaps.collect()))
+        .replace("@R@", &resets.len().to_string())
+        .replace("@JUMP_PAIRS@", &pairs)
+        .replace("@JUMP_GUARDS@", &guards)
+        .replace("@JUMP_SIDES@", &sides)
+        .replace("@GAPS@", &gaps.join(", "))
         .replace("@ARGS@", &declared)
         .replace("@PASS@", &passed)
 }

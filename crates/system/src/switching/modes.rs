@@ -84,9 +84,7 @@ impl Modes {
     pub fn any_is_held(&self) -> bool {
         self.0.iter().any(|m| m.is_held())
     }
-}
 
-impl Modes {
     /// Brings the bodies of a contact together: its force begins, and its gap waits.
     pub fn close(&mut self, contact: &Contact) {
         self.0[contact.gap] = Mode::Idle;

@@ -87,12 +87,7 @@ impl Switches {
 
     /// Modes before any is decided: contacts are open.
     pub fn first_modes(&self) -> Modes {
-        self.modes_of(&mut |_| Mode::Level)
-    }
-
-    /// The mode of each switch, contacts open.
-    pub fn modes_of(&self, mode: &mut dyn FnMut(usize) -> Mode) -> Modes {
-        let mut modes = Modes((0..self.len()).map(mode).collect());
+        let mut modes = Modes(vec![Mode::Level; self.len()]);
         self.contacts
             .iter()
             .for_each(|c| modes.0[c.speed] = Mode::Idle);

@@ -142,32 +142,6 @@ static int sidc_holds(double t, const double *state@ARGS@, const double *side, c
     return holds;
 }
 
-@STILL
-/* Lets go of guards that have moved away from zero or from their side, as by an input that jumped. */
-static void sidc_follow(double t, double h, const double *state@ARGS@, double *side)
-{
-    int apart[sidc_switches] = {0}, m = 0;
-    double guard[sidc_switches], start[sidc_switches], slope[sidc_switches][sidc_switches];
-    sidc_guards(t, state@PASS@, guard);
-    for (int k = 0; k < sidc_switches; k++) {
-        if (side[k] == 0.0 ? guard[k] != 0.0 : side[k] * guard[k] < 0.0) {
-            apart[m++] = k;
-        }
-    }
-    if (m == 0) {
-        return;
-    }
-    sidc_contacts(t, state@PASS@, side, m, apart, start, slope);
-    for (int i = 0; i < m; i++) {
-        double reach = h * fabs(start[i]);
-        for (int j = 0; j < m; j++) {
-            reach += h * fabs(slope[i][j]);
-        }
-        if (fabs(guard[apart[i]]) > 1e-7 * reach) {
-            side[apart[i]] = guard[apart[i]] < 0.0 ? -1.0 : 1.0;
-        }
-    }
-}
 @JUMPS
 /* Lets the bodies of a contact part; k is the guard of their speed. */
 static void sidc_open(double *side, int k)
@@ -266,7 +240,6 @@ static void sidc_decide(double t, const double *state@ARGS@, double *side, const
     }
 }
 
-@JUMPS
 /* How far guards can move in a step; 0 for those that are not crossed. */
 static void sidc_reach(double t, double h, const double *state@ARGS@, const double *side, const int *crossed, double *reach)
 {
@@ -287,6 +260,7 @@ static void sidc_reach(double t, double h, const double *state@ARGS@, const doub
     }
 }
 
+@JUMPS
 /* Whether states jump where this guard leaves this side. */
 static int sidc_jumps_at(int k, double side)
 {
@@ -416,25 +390,45 @@ static void sidc_pass(double t, double h, double *state@ARGS@, double *side, int
     }
 }
 
+@END
 /* Lets go of guards that have moved away from zero or from their side, as by an input that jumped; states may jump there. */
+@STILL
+static void sidc_follow(double t, double h, const double *state@ARGS@, double *side)
+@JUMPS
 static void sidc_follow(double t, double h, double *state@ARGS@, double *side)
+@END
 {
     int apart[sidc_switches], any = 0;
     double guard[sidc_switches], reach[sidc_switches];
     sidc_guards(t, state@PASS@, guard);
     for (int k = 0; k < sidc_switches; k++) {
-        apart[k] = side[k] != sidc_waits && (side[k] == 0.0 ? guard[k] != 0.0 : side[k] * guard[k] < 0.0);
-    }
-    sidc_reach(t, h, state@PASS@, side, apart, reach);
-    for (int k = 0; k < sidc_switches; k++) {
-        apart[k] = apart[k] && fabs(guard[k]) > 1e-7 * reach[k];
+        apart[k] = side[k] == 0.0 ? guard[k] != 0.0 : side[k] * guard[k] < 0.0;
+@JUMPS
+        apart[k] = apart[k] && side[k] != sidc_waits;
+@END
         any = any || apart[k];
     }
+    if (!any) {
+        return;
+    }
+    sidc_reach(t, h, state@PASS@, side, apart, reach);
+@JUMPS
+    any = 0;
+@END
+    for (int k = 0; k < sidc_switches; k++) {
+        apart[k] = apart[k] && fabs(guard[k]) > 1e-7 * reach[k];
+@STILL
+        side[k] = apart[k] ? (guard[k] < 0.0 ? -1.0 : 1.0) : side[k];
+@JUMPS
+        any = any || apart[k];
+@END
+    }
+@JUMPS
     if (any) {
         sidc_pass(t, h, state@PASS@, side, apart, 0);
     }
-}
 @END
+}
 
 /* The sides of all guards at an instant. */
 void sidc_settle(double t, const double *state@ARGS@, double *side)
@@ -508,15 +502,21 @@ void sidc_advance(double t, double h, double *state@ARGS@, double *side)
     for (int event = 0; event < 1000; event++) {
         double low = 0.0, high = h - done;
         int same = 1;
-        sidc_margins(t + done, state@PASS@, side, floor);
         for (int k = 0; k < sidc_switches; k++) {
-            floor[k] = side[k] == 0.0 ? 0.0 : fmin(floor[k], 0.0);
+            floor[k] = 0.0;
         }
         sidc_classical(t + done, state@PASS@, high, side, end);
         for (int i = 0; i < sidc_states; i++) {
             is_finite = is_finite && fabs(end[i]) < INFINITY;
         }
         if (!is_finite || sidc_holds(t + h, end@PASS@, side, floor, crossed)) {
+            break;
+        }
+        sidc_margins(t + done, state@PASS@, side, floor);
+        for (int k = 0; k < sidc_switches; k++) {
+            floor[k] = side[k] == 0.0 ? 0.0 : fmin(floor[k], 0.0);
+        }
+        if (sidc_holds(t + h, end@PASS@, side, floor, crossed)) {
             break;
         }
         if (event == 999) {

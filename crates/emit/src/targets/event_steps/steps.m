@@ -20,8 +20,12 @@ function [state, side] = advance(t, state, h, side, varargin)
     low = 0;
     high = h - done;
     final = classical(t + done, state, high, side, varargin{:});
-    lowest = floors(t + done, state, side, varargin{:});
-    if ~all(isfinite(final)) || all(margins(t + h, final, side, varargin{:}) >= lowest)
+    margin = margins(t + h, final, side, varargin{:});
+    lowest = zeros(size(side));
+    if all(isfinite(final)) && any(margin < 0)
+      lowest = floors(t + done, state, side, varargin{:});
+    end
+    if ~all(isfinite(final)) || all(margin >= lowest)
       state = final;
       return
     end

@@ -2,7 +2,7 @@
 
 
 # Each jump of states: its guard, and the side that the guard leaves.
-_JUMPS = tuple(zip([@JUMP_GUARDS@], [@JUMP_SIDES@]))
+_JUMPS = (@JUMP_PAIRS@,)
 # For each guard that is the speed of a contact, the guard of its gap; else -1.
 _GAPS = np.array([@GAPS@])
 # The side of a guard that waits: the speed of bodies apart, the gap of bodies that lie on each other.
@@ -25,8 +25,11 @@ def advance(t, state, h, *arguments, side=None):
     for _ in range(1000):
         left = h - done
         end = _classical(t + done, state, left, arguments, side)
+        margins = _margins(t + h, end, arguments, side)
+        if not np.all(np.isfinite(end)) or np.all(margins >= 0.0):
+            return end, side
         floor = _floor(t + done, state, arguments, side)
-        if not np.all(np.isfinite(end)) or np.all(_margins(t + h, end, arguments, side) >= floor):
+        if np.all(margins >= floor):
             return end, side
         low, high = 0.0, left
         for _ in range(52):

@@ -83,6 +83,11 @@ fn calls(program: &Program) -> String {
         true => "    sidc_outputs(v->t, v->state@PASS@, output);",
         false => "    (void)v, (void)output;",
     };
+    let decide = match (events, program.has_jumps()) {
+        (_, true) => [MOVED, JUMP].concat(),
+        (true, false) => [MOVED, DECIDE].concat(),
+        (false, false) => "    (void)v;\n    return 0;".into(),
+    };
     let on_events = |text: &'static str, without: &'static str| if events { text } else { without };
     CALLS
         .replace("@RATES@", rates)
@@ -98,14 +103,7 @@ fn calls(program: &Program) -> String {
                 "    (void)v;",
             ),
         )
-        .replace(
-            "@DECIDE@",
-            match (events, program.has_jumps()) {
-                (_, true) => JUMP,
-                (true, false) => DECIDE,
-                (false, false) => "    (void)v;\n    return 0;",
-            },
-        )
+        .replace("@DECIDE@", &decide)
 }
 
 fn jacobians(program: &Program) -> String {
@@ -123,8 +121,8 @@ const RATES_BY_SIDE: &str = "    double full[GUARDS];
 
 const MARGINS: &str = "    sidc_margins(v->t, v->state@PASS@, v->side, margin);";
 
-/// A guard that an input moved by a jump is let go; one that the motion took to zero is decided.
-const DECIDE: &str = "    int crossed[GUARDS], any = 0;
+/// Which guards an input moved by a jump to the other side.
+const MOVED: &str = "    int crossed[GUARDS], moved[GUARDS], any = 0;
     double margin[GUARDS], guard[GUARDS], unmoved[GUARDS];
     const Values now = *v;
     sidc_guards(v->t, v->state@PASS@, guard);
@@ -132,7 +130,13 @@ const DECIDE: &str = "    int crossed[GUARDS], any = 0;
     sidc_guards(v->t, v->state@PASS@, unmoved);
     memcpy(v->input, now.input, sizeof v->input);
     for (int k = 0; k < GUARDS; k++) {
-        if (guard[k] != unmoved[k] && guard[k] != 0.0 && v->side[k] * guard[k] <= 0.0) {
+        moved[k] = guard[k] != unmoved[k] && guard[k] != 0.0 && v->side[k] * guard[k] <= 0.0;
+    }
+";
+
+/// Such a guard is let go; one that the motion took to zero is decided.
+const DECIDE: &str = "    for (int k = 0; k < GUARDS; k++) {
+        if (moved[k]) {
             v->side[k] = guard[k] < 0.0 ? -1.0 : 1.0;
         }
     }
@@ -147,17 +151,11 @@ const DECIDE: &str = "    int crossed[GUARDS], any = 0;
     return 0;";
 
 /// The same where states jump. Impacts whose flights last a millionth of the time since the beginning close a contact.
-const JUMP: &str = "    int crossed[GUARDS], moved[GUARDS], any = 0, jumped = 0;
-    double margin[GUARDS], guard[GUARDS], unmoved[GUARDS], full[GUARDS], rate[GUARDS], state[STATES + 1];
+const JUMP: &str = "    int jumped = 0;
+    double full[GUARDS], rate[GUARDS];
     const double h = 1e-2 * (v->t - v->begin);
-    const Values now = *v;
-    sidc_guards(v->t, v->state@PASS@, guard);
-    memcpy(v->input, v->before, sizeof v->input);
-    sidc_guards(v->t, v->state@PASS@, unmoved);
-    memcpy(v->input, now.input, sizeof v->input);
-    memcpy(state, v->state, sizeof state);
     for (int k = 0; k < GUARDS; k++) {
-        moved[k] = v->side[k] != sidc_waits && guard[k] != unmoved[k] && guard[k] != 0.0 && v->side[k] * guard[k] <= 0.0;
+        moved[k] = moved[k] && v->side[k] != sidc_waits;
         any = any || moved[k];
     }
     if (any) {
@@ -183,6 +181,6 @@ const JUMP: &str = "    int crossed[GUARDS], moved[GUARDS], any = 0, jumped = 0;
         sidc_pass(v->t, h, v->state@PASS@, v->side, crossed, 1);
     }
     for (int i = 0; i < STATES; i++) {
-        jumped = jumped || v->state[i] != state[i];
+        jumped = jumped || v->state[i] != now.state[i];
     }
     return jumped;";

@@ -74,13 +74,12 @@ impl CompiledSystem {
     ) -> Result<(), FaultKind> {
         switches.run(work, 1 + self.states() + self.given());
         if !work.is_pinned {
-            let mut modes = switches.first_modes.clone();
-            let waiting = |mode: &&mut Mode| **mode != Mode::Idle;
-            let decided = modes.0.iter_mut().enumerate();
-            for (k, mode) in decided.filter(|(_, mode)| waiting(mode)) {
-                *mode = Mode::of(switches.value(work, k));
+            // Only events close contacts: here they stay open.
+            for k in 0..switches.count {
+                if work.modes.0[k] != Mode::Idle {
+                    work.modes.0[k] = Mode::of(switches.value(work, k));
+                }
             }
-            work.modes = modes;
             let zero: Vec<usize> = (0..switches.count)
                 .filter(|k| work.modes.0[*k] == Mode::Level)
                 .collect();

@@ -1,6 +1,6 @@
 //! Bodies that strike each other and stay together, against closed forms.
 
-use super::jumps::{below, with_resets};
+use super::jumps::{below, floor, with_resets};
 use super::*;
 
 const G: f64 = 9.81;
@@ -9,13 +9,8 @@ const SPEED: Signal = Signal::derivative(VarId(1), 1);
 /// A ball bounces ever faster, lies on the floor, and is lifted off at 3 s.
 #[test]
 fn a_ball_comes_to_rest() {
-    let bounce = below(
-        position(0),
-        number(0.0),
-        vec![(SPEED, velocity(0).scale(-0.6))],
-    );
     let ball = bodies(&[number(-G) + Expr::signal(INPUT)]);
-    let ball = with_resets(&ball, vec![bounce]);
+    let ball = with_resets(&ball, vec![floor(0.6)]);
     let known = |t: f64| {
         if t >= 3.0 {
             let s = t - 3.0;
@@ -44,13 +39,8 @@ fn a_ball_comes_to_rest() {
 /// A body that lies on the floor from the start on, until a force that grows with time exceeds its weight.
 #[test]
 fn a_body_leaves_the_floor_when_nothing_presses_it_on() {
-    let stop = below(
-        position(0),
-        number(0.0),
-        vec![(SPEED, velocity(0).scale(-0.3))],
-    );
     let body = bodies(&[Expr::signal(Signal::TIME) - number(1.5)]);
-    let body = with_resets(&body, vec![stop]);
+    let body = with_resets(&body, vec![floor(0.3)]);
     let known = |t: f64| {
         let s = f64::max(t - 1.5, 0.0);
         vec![s * s * s / 6.0, 0.5 * s * s]
@@ -116,17 +106,12 @@ fn a_support_that_falls_away_loses_its_body() {
 /// Two balls fall one upon the other: the lower strikes the floor, then the upper, in one instant.
 #[test]
 fn impacts_set_off_each_other() {
-    let floor = below(
-        position(0),
-        number(0.0),
-        vec![(SPEED, velocity(0).scale(-1.0))],
-    );
     let swap = vec![
         (SPEED, velocity(1)),
         (Signal::derivative(VarId(2), 1), velocity(0)),
     ];
     let strike = below(position(1), position(0), swap);
-    let balls = with_resets(&bodies(&[number(-G), number(-G)]), vec![floor, strike]);
+    let balls = with_resets(&bodies(&[number(-G), number(-G)]), vec![floor(1.0), strike]);
     // Balls of the same mass exchange their speeds: the upper rises again to where it was, the lower to where it was.
     let known = |t: f64| {
         let fall = f64::sqrt(2.0 / G);

@@ -22,17 +22,18 @@ pub(super) fn with_resets(system: &CompiledSystem, resets: Vec<Reset>) -> Compil
     CompiledSystem::new(form).unwrap()
 }
 
+/// A rigid floor, which the first body leaves with this part of its speed.
+pub(super) fn floor(restitution: f64) -> Reset {
+    let speed = Signal::derivative(VarId(1), 1);
+    let leaves = velocity(0).scale(-restitution);
+    below(position(0), number(0.0), vec![(speed, leaves)])
+}
+
 /// A ball that leaves a rigid floor with 0.8 of its speed.
 #[test]
 fn a_ball_bounces() {
     const G: f64 = 9.81;
-    let speed = Signal::derivative(VarId(1), 1);
-    let bounce = below(
-        position(0),
-        number(0.0),
-        vec![(speed, velocity(0).scale(-0.8))],
-    );
-    let ball = with_resets(&bodies(&[number(-G)]), vec![bounce]);
+    let ball = with_resets(&bodies(&[number(-G)]), vec![floor(0.8)]);
     let known = |t: f64| {
         let (mut from, mut y, mut v) = (0.0, 1.0, 0.5);
         loop {
