@@ -85,6 +85,7 @@ pub fn system(seed: u64) -> Discovery {
         equations,
         failed: Vec::new(),
         runs_left: Vec::new(),
+        rests: Vec::new(),
         relations: None,
         delays: Vec::new(),
         unknowns: draw.constants,

@@ -62,7 +62,7 @@ use sidc_lang::library::Library;
 use sidc_lang::model::Model;
 use sidc_lang::term::Signal;
 use sidc_progress::{EquationObserver, Observer, Stage};
-use sidc_system::discovery::{BlockNormalEquations, Discovery, Failed, Status, Witness};
+use sidc_system::discovery::{BlockNormalEquations, Discovery, Failed, Rest, Status, Witness};
 
 /// What is kept of a joint estimate so that it can be judged.
 #[derive(Clone, Debug, Default)]
@@ -338,6 +338,7 @@ fn doubt_runs(
     discovery.runs_left = (left_out.iter())
         .filter_map(|l| problem.names.get(l.trajectory).cloned())
         .collect();
+    discovery.rests = rests(problem);
     // Where the answer already has undeclared coefficients for each run, no others are looked for.
     let split = pooling_rules::has_undeclared(model, discovery);
     if split || used.len() < 2 || watcher.at(Stage::Weighing).is_some() {
@@ -353,6 +354,16 @@ fn doubt_runs(
             equation.doubt(reason);
         }
     }
+}
+
+/// The parts of runs that no law was fitted to.
+fn rests(problem: &Problem) -> Vec<Rest> {
+    let rest = |r: &trajectory::model::Rest| Rest {
+        run: problem.names[r.trajectory].clone(),
+        from: r.time[0],
+        to: r.time[1],
+    };
+    problem.rests.iter().map(rest).collect()
 }
 
 /// The signals among the candidates of each law.

@@ -32,6 +32,7 @@ pub fn answer(d: &Discovery, v: &Verdict) -> String {
     }
     out.push_str(&lines(d.delay_sentences().into_iter()));
     out.push_str(&lines(d.cubic_sentences().into_iter()));
+    out.push_str(&lines(d.rest_sentences().into_iter()));
     out.push_str(&sparsest_answers(d));
     out.push_str(&other_laws(d));
     out.push('\n');

@@ -30,6 +30,8 @@ pub struct Discovery {
     pub failed: Vec<Failed>,
     /// Names of runs that the equations were not found from, because they do not follow them.
     pub runs_left: Vec<String>,
+    /// Parts of runs that they were not found from, because bodies lie on each other there.
+    pub rests: Vec<Rest>,
     /// Other ways to write the relations that the equations span; `None` where none were looked for.
     pub relations: Option<Box<RelationChoices>>,
     /// Declared delays, stated or found, in order of declaration.
@@ -42,6 +44,16 @@ pub struct Discovery {
     pub hidden: Vec<HiddenState>,
     /// Where states jump, as the model states it; unknown constants stand there by name.
     pub resets: Vec<Reset>,
+}
+
+/// A part of a run along which bodies that have struck each other lie on each other.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Rest {
+    /// The run, by its name.
+    pub run: String,
+    /// Its first and its last instant, in units of time.
+    pub from: f64,
+    pub to: f64,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -333,6 +345,7 @@ impl Discovery {
             equations: Vec::new(),
             failed: Vec::new(),
             runs_left: Vec::new(),
+            rests: Vec::new(),
             relations: None,
             delays: stated(model),
             unknowns: Vec::new(),

@@ -14,6 +14,7 @@ mod mass_matrix_form;
 mod method_comparison;
 mod reason;
 mod relation_choices;
+mod rests;
 mod row_origin;
 mod run_coefficients;
 mod run_parameters;
@@ -30,7 +31,8 @@ pub use coefficient_inference::{
 pub use correlations::Correlations;
 pub use equations::{
     Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, MethodComparison, NormGrading,
-    OtherLaw, PathKnot, Proof, RangeCertificate, Rearranged, SecondMethodReason, Status, Variable,
+    OtherLaw, PathKnot, Proof, RangeCertificate, Rearranged, Rest, SecondMethodReason, Status,
+    Variable,
 };
 pub use hidden_states::{HiddenStart, HiddenState, ScaleRule};
 pub use identifiability::{

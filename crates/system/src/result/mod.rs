@@ -10,7 +10,7 @@ mod write;
 use serde::{Deserialize, Serialize};
 
 use crate::discovery::{
-    Correlations, DropOneRefit, Evidence, HiddenState, Mark, Notice, Reason, RelationChoices,
+    Correlations, DropOneRefit, Evidence, HiddenState, Mark, Notice, Reason, RelationChoices, Rest,
     RunCoefficient, SignalDelay, Status, UnknownValue,
 };
 use crate::predict::PredictionRequest;
@@ -47,6 +47,9 @@ pub struct Document {
     /// Runs that the equations were not found from, because they do not follow them.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub runs_left: Vec<String>,
+    /// Parts of runs that they were not found from, because bodies that have struck each other lie on each other there.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub rests: Vec<Rest>,
     /// Other ways to write the relations that the equations span; absent where none were looked for.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub relations: Option<Box<RelationChoices>>,

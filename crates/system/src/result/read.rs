@@ -99,6 +99,7 @@ fn opened(name: &str, doc: &Document) -> Result<(Discovery, Model), Diagnostic> 
     d.system = doc.system.clone();
     d.discrete = doc.time == TimeKind::Discrete;
     d.runs_left.clone_from(&doc.runs_left);
+    d.rests.clone_from(&doc.rests);
     read_units(name, doc, &mut d)?;
     for (entry, equation) in doc.equations.iter().zip(&model.equations) {
         let terms = terms(&equation.right);

@@ -47,6 +47,7 @@ pub fn document(d: &Discovery, beside: DocumentContext) -> Document {
             })
             .collect(),
         runs_left: d.runs_left.clone(),
+        rests: d.rests.clone(),
         relations: d.relations.clone(),
         delays: d.delays.clone(),
         unknowns: d.unknowns.clone(),

@@ -11,6 +11,7 @@ use super::process_noise::ProcessNoise;
 use super::quantization::{QuantizationGrid, informative_shares, quantization_grid};
 use super::record::{Record, SensorSettings, records};
 use super::rejected_readings::{LeftOut, reject_outliers};
+use super::resting::{Rest, between_rests};
 use super::run_columns::RunColumns;
 use super::sensor_groups::{SensorGroups, sensor_groups};
 use super::smoothing::{SmoothedTrajectory, smoothed_trajectories};
@@ -47,6 +48,8 @@ pub struct Problem {
     pub(crate) quantization: Vec<Option<QuantizationGrid>>,
     /// Readings that have no weight.
     pub left_out: Vec<LeftOut>,
+    /// Parts of trajectories along which bodies lie on each other, which no record contains.
+    pub rests: Vec<Rest>,
     /// Columns that belong to one run each.
     pub run_columns: RunColumns,
     /// What moves the states besides the laws, where a search starts; `None` where laws hold but for slips.
@@ -114,7 +117,8 @@ impl Problem {
         declared: &dyn Fn(Signal) -> Option<SensorNoise>,
         robust: bool,
     ) -> Result<Problem, Signal> {
-        let mut records = records(&system, dataset, &SensorSettings { declared, robust })?;
+        let records = records(&system, dataset, &SensorSettings { declared, robust })?;
+        let (mut records, rests) = between_rests(&system, records);
         let declared: Vec<Option<SensorNoise>> =
             system.states.iter().map(|s| declared(*s)).collect();
         let left_out = match robust {
@@ -143,6 +147,7 @@ impl Problem {
             informative: Vec::new(),
             quantization: Vec::new(),
             left_out,
+            rests,
             run_columns: RunColumns::default(),
             process: None,
             input_noise: vec![None; n],
@@ -183,6 +188,7 @@ impl Problem {
         robust: bool,
     ) -> Result<Problem, Signal> {
         let fresh = records(&system, dataset, &SensorSettings { declared, robust })?;
+        let (fresh, _) = between_rests(&system, fresh);
         let mut problem = self.clone();
         for (record, fresh) in problem.records.iter_mut().zip(fresh) {
             record.exogenous = fresh.exogenous;
@@ -227,6 +233,7 @@ impl Problem {
             informative: self.informative.clone(),
             quantization: self.quantization.clone(),
             left_out: Vec::new(),
+            rests: self.rests.clone(),
             run_columns: self.run_columns.clone(),
             process: self.process.clone(),
             input_noise: self.input_noise.clone(),

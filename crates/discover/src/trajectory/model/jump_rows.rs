@@ -5,7 +5,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::thresholds::JUMPS;
-use sidc_data::Break;
+use sidc_data::{Break, median};
 
 /// Rows between which and the row before the readings jump, if `order` is 0, or their slope does: there two parabolas follow the readings near by
 /// much better than one cubic, better than one polynomial with as many coefficients, which smooth motion favours, and better than at the rows near
@@ -20,14 +20,14 @@ pub(super) fn jump_rows(time: &[f64], readings: &[f64], order: u8) -> Vec<Break>
         Polynomial::fit(&time[from..to], &readings[from..to], degree)
     };
     // Near an end of the record the side towards it is shorter, and what few readings there are lies on a polynomial of lower degree.
-    let gain = |row: usize, w: usize| -> f64 {
+    let compare = |row: usize, w: usize| -> Option<Left> {
         let (from, to) = (row.saturating_sub(w), (row + w).min(time.len()));
         let sides = [(from, row), (row, to)];
         let [left, right] = sides.map(|(from, to)| to - from);
         let at_end = left < w || right < w;
         let usable = left.min(right) > 0 && left.max(right) == w;
         if at_end && (order > 0 || !usable) {
-            return 0.0;
+            return None;
         }
         let mut parts = Sum::default();
         for (from, to) in sides {
@@ -36,25 +36,29 @@ pub(super) fn jump_rows(time: &[f64], readings: &[f64], order: u8) -> Vec<Break>
         let mut whole = Sum::default();
         whole.add(&fit(from, to, 3));
         let bends = || !at_end && fit(from, to, 5).left_over <= parts.squares;
-        match whole.squares.is_finite() && !bends() {
-            true => whole.mean() / (parts.mean() + floor),
-            false => 0.0,
-        }
-    };
-    // For each row the window in which it stands out most.
-    let windows =
-        || (JUMPS.windows.into_iter()).zip(JUMPS.gains.into_iter().zip(JUMPS.gains_at_end));
-    let mut found: Vec<(f64, usize, usize)> = (0..time.len())
-        .filter_map(|row| {
-            let each = windows().map(|(w, (within, at_end))| {
-                let is_cut = row < w || row + w > time.len();
-                let by_chance = if is_cut { at_end } else { within };
-                (gain(row, w) / by_chance, row, w)
-            });
-            each.max_by(|a, b| a.0.total_cmp(&b.0))
-                .filter(|best| best.0 > 1.0)
+        whole.squares.is_finite().then(|| Left {
+            by_parts: parts.mean(),
+            by_whole: if bends() { 0.0 } else { whole.mean() },
         })
-        .collect();
+    };
+    // For each row how far it stands out in the window in which it does most.
+    let mut found: Vec<(f64, usize, usize)> = (0..time.len()).map(|row| (1.0, row, 0)).collect();
+    let by_chance = JUMPS.gains.into_iter().zip(JUMPS.gains_at_end);
+    for (w, (within, at_end)) in JUMPS.windows.into_iter().zip(by_chance) {
+        let left: Vec<Option<Left>> = (0..time.len()).map(|row| compare(row, w)).collect();
+        let mut usual: Vec<f64> = left.iter().flatten().map(|l| l.by_parts).collect();
+        let least = JUMPS.least_left * median(&mut usual).unwrap_or(0.0);
+        for (best, left) in found.iter_mut().zip(left) {
+            let Some(left) = left else { continue };
+            let is_cut = best.1 < w || best.1 + w > time.len();
+            let by_chance = if is_cut { at_end } else { within };
+            let gain = left.by_whole / (left.by_parts.max(least) + floor) / by_chance;
+            if gain > best.0 {
+                (best.0, best.2) = (gain, w);
+            }
+        }
+    }
+    found.retain(|(_, _, w)| *w > 0);
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut peaks: Vec<(usize, usize)> = Vec::new();
     for (_, row, w) in found {
@@ -84,6 +88,13 @@ pub(super) fn jump_rows(time: &[f64], readings: &[f64], order: u8) -> Vec<Break>
         .collect()
 }
 
+/// Variances that polynomials leave of the readings about a row.
+struct Left {
+    by_parts: f64,
+    /// 0 where one polynomial is as good.
+    by_whole: f64,
+}
+
 /// Sums of squares, with their degrees of freedom.
 #[derive(Default)]
 struct Sum {
@@ -103,7 +114,7 @@ impl Sum {
 }
 
 /// A polynomial through readings.
-struct Polynomial {
+pub(super) struct Polynomial {
     middle: f64,
     half: f64,
     coefficients: DVector<f64>,
@@ -113,7 +124,7 @@ struct Polynomial {
 }
 
 impl Polynomial {
-    fn fit(time: &[f64], readings: &[f64], degree: usize) -> Polynomial {
+    pub(super) fn fit(time: &[f64], readings: &[f64], degree: usize) -> Polynomial {
         let (first, last) = (time[0], time[time.len() - 1]);
         let middle = (first + last) / 2.0;
         let half = if last > first {
@@ -140,6 +151,11 @@ impl Polynomial {
                 f64::INFINITY
             },
         }
+    }
+
+    /// The second derivative of a parabola.
+    pub(super) fn curvature(&self) -> f64 {
+        2.0 * self.coefficients[2] / (self.half * self.half)
     }
 
     fn at(&self, time: f64) -> f64 {
@@ -177,5 +193,20 @@ mod tests {
         assert_eq!(rows(0, |t| (t - 0.805).abs()), [0; 0]);
         assert_eq!(rows(0, |t| if t < 1.985 { 1.0 } else { 0.5 }), [199]);
         assert_eq!(rows(0, |t| if t < 0.015 { 1.0 } else { 0.5 }), [2]);
+    }
+
+    /// Four rounded readings in a row often lie on one parabola by chance.
+    #[test]
+    fn rounded_readings_have_no_more_kinks() {
+        let ball = |t: f64| {
+            let s = t % 1.0;
+            let height = 5.0 * s * (1.0 - s);
+            (height * 1000.0).round() / 1000.0
+        };
+        let time: Vec<f64> = (0..200).map(|k| 0.0101 * f64::from(k)).collect();
+        let readings: Vec<f64> = time.iter().map(|t| ball(*t)).collect();
+        let found = jump_rows(&time, &readings, 1);
+        let rows: Vec<usize> = found.iter().map(|b| b.row).collect();
+        assert_eq!(rows, [100]);
     }
 }

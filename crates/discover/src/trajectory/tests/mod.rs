@@ -2,6 +2,7 @@
 
 mod events;
 mod jumps;
+mod rests;
 pub(crate) mod windows;
 
 use super::integration::{

@@ -32,7 +32,11 @@ pub(crate) fn html(s: &Subject) -> Section {
     let said = jumps.chain(unknown_constants::lines(d));
     let said = said.chain(disturbance::sentences(d));
     let of_inputs = d.delay_sentences().into_iter().chain(d.cubic_sentences());
-    for said in said.chain(d.hidden_sentences()).chain(of_inputs) {
+    for said in said
+        .chain(d.hidden_sentences())
+        .chain(of_inputs)
+        .chain(d.rest_sentences())
+    {
         body.push_str(&format!("<p>{}</p>\n", escape(&said)));
     }
     for (head, laws) in relations::told(d) {
