@@ -317,7 +317,8 @@ impl DelayOutlierSearch<'_, '_> {
     }
 
     /// Takes the noise of sensors as autocorrelated where the residuals show it, and searches again until its time constants settle. The
-    /// answer must leave nothing but that noise and be better than the one for white noise: wrong laws leave autocorrelated residuals, too.
+    /// answer must leave nothing but that noise and be better than the one for white noise: wrong laws leave autocorrelated residuals, too, which
+    /// often come in bursts.
     fn with_lasting_noise(&mut self, fit: &mut JointFit) {
         let mut best: Option<JointFit> = None;
         for _ in 0..SENSOR_SEARCH.memory_rounds {
@@ -347,7 +348,9 @@ impl DelayOutlierSearch<'_, '_> {
             });
         }
         let Some(mut best) = best else { return };
-        let explains = !unexplained(&best.problem, &best.found.best);
+        let (problem, found) = (&best.problem, &best.found.best);
+        let explains =
+            !unexplained(problem, found) && !trajectory::noise_comes_in_bursts(problem, found);
         if explains && best.gain_over(fit) > 0.0 {
             std::mem::swap(fit, &mut best);
             fit.white_noise_answer = Some(Box::new(best));

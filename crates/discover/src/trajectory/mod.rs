@@ -75,7 +75,7 @@ pub use pooling::{Differing, RunNotFollowed, RunValue, differing_coefficients};
 pub(crate) use pooling::{fit_by_run, left_by};
 pub use residuals::{
     Channel, File, GrownNoise, LastingNoise, Outliers, autocorrelated_noise, channels, grow_noise,
-    leave_out, log_error_ahead, own_time,
+    leave_out, log_error_ahead, noise_comes_in_bursts, own_time,
 };
 pub(crate) use search::minimum;
 pub use search::{

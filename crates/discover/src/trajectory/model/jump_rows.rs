@@ -41,13 +41,17 @@ pub(super) fn jump_rows(time: &[f64], readings: &[f64], order: u8) -> Vec<Break>
             by_whole: if bends() { 0.0 } else { whole.mean() },
         })
     };
-    // For each row how far it stands out in the window in which it does most.
+    // For each row how far it stands out in the window in which it does most. Short windows come first: fewer of them hold another jump, so
+    // they tell what parabolas usually leave.
     let mut found: Vec<(f64, usize, usize)> = (0..time.len()).map(|row| (1.0, row, 0)).collect();
     let by_chance = JUMPS.gains.into_iter().zip(JUMPS.gains_at_end);
-    for (w, (within, at_end)) in JUMPS.windows.into_iter().zip(by_chance) {
+    let mut least = None;
+    for (w, (within, at_end)) in JUMPS.windows.into_iter().zip(by_chance).rev() {
         let left: Vec<Option<Left>> = (0..time.len()).map(|row| compare(row, w)).collect();
-        let mut usual: Vec<f64> = left.iter().flatten().map(|l| l.by_parts).collect();
-        let least = JUMPS.least_left * median(&mut usual).unwrap_or(0.0);
+        let least = *least.get_or_insert_with(|| {
+            let mut usual: Vec<f64> = left.iter().flatten().map(|l| l.by_parts).collect();
+            JUMPS.least_left * median(&mut usual).unwrap_or(0.0)
+        });
         for (best, left) in found.iter_mut().zip(left) {
             let Some(left) = left else { continue };
             let is_cut = best.1 < w || best.1 + w > time.len();

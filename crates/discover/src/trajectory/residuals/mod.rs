@@ -16,5 +16,5 @@ pub use channels::{Channel, File, channels};
 pub(crate) use effective_sample_size::statistical_inefficiency;
 pub use errors_ahead::{log_error_ahead, own_time};
 pub use noise_growth::{GrownNoise, grow_noise};
-pub use noise_time_constant::{LastingNoise, autocorrelated_noise};
+pub use noise_time_constant::{LastingNoise, autocorrelated_noise, noise_comes_in_bursts};
 pub use outliers::{Outliers, leave_out};

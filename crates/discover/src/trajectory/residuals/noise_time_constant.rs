@@ -8,6 +8,7 @@ use crate::trajectory::golden_section::golden_section;
 use crate::trajectory::likelihood::{Fit, final_floor};
 use crate::trajectory::model::{Problem, Record};
 use crate::trajectory::thresholds::{GAUSS_NEWTON, NOISE_MEMORY, RESIDUALS};
+use sidc_data::{MEDIAN_OF_ABS_NORMAL, median};
 
 /// Noise that lasts along a fit.
 pub struct LastingNoise {
@@ -49,6 +50,24 @@ pub fn autocorrelated_noise(problem: &Problem, fit: &Fit, price: f64) -> Option<
         problem: problem.with_noise_memory(&memory),
         estimated,
     })
+}
+
+/// Whether what is new in the noise of a sensor that lasts comes in bursts and is small otherwise, as where wrong laws leave the readings now and
+/// then.
+pub fn noise_comes_in_bursts(problem: &Problem, fit: &Fit) -> bool {
+    let bursts = |state: usize| {
+        let of_record = |(r, record): (usize, &Record)| {
+            let left: Vec<f64> = fit.residuals(problem, r, state).collect();
+            record.whitened(state, &left)
+        };
+        let new = problem.records.iter().enumerate().flat_map(of_record);
+        let mut new: Vec<f64> = new.map(f64::abs).filter(|x| x.is_finite()).collect();
+        let square = new.iter().map(|x| x * x).sum::<f64>() / new.len() as f64;
+        let robust = median(&mut new).map_or(0.0, |m| m / MEDIAN_OF_ABS_NORMAL);
+        robust < NOISE_MEMORY.robust * square.sqrt()
+    };
+    let lasts = |state: &usize| problem.noise_time_constant(*state).is_some();
+    problem.read_states().filter(lasts).any(bursts)
 }
 
 /// The residuals of one state, over their relative noise, with their records.
