@@ -5,7 +5,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::thresholds::JUMPS;
-use sidc_data::{Break, median};
+use sidc_data::{Break, MEDIAN_OF_ABS_NORMAL, median};
 
 /// Rows between which and the row before the readings jump, if `order` is 0, or their slope does: there two parabolas follow the readings near by
 /// much better than one cubic, better than one polynomial with as many coefficients, which smooth motion favours, and better than at the rows near
@@ -41,22 +41,21 @@ pub(super) fn jump_rows(time: &[f64], readings: &[f64], order: u8) -> Vec<Break>
             by_whole: if bends() { 0.0 } else { whole.mean() },
         })
     };
-    // For each row how far it stands out in the window in which it does most. Short windows come first: fewer of them hold another jump, so
-    // they tell what parabolas usually leave.
+    // What a parabola leaves of four readings has one degree of freedom, and few such windows hold a jump.
+    let lone = (0..time.len().saturating_sub(3)).map(|k| fit(k, k + 4, 2).left_over);
+    let mut lone: Vec<f64> = lone.filter(|x| x.is_finite()).collect();
+    let noise = median(&mut lone).unwrap_or(0.0) / MEDIAN_OF_ABS_NORMAL.powi(2);
+    let least_left = (JUMPS.least_left * noise).max(floor);
+    // For each row how far it stands out in the window in which it does most.
     let mut found: Vec<(f64, usize, usize)> = (0..time.len()).map(|row| (1.0, row, 0)).collect();
     let by_chance = JUMPS.gains.into_iter().zip(JUMPS.gains_at_end);
-    let mut least = None;
-    for (w, (within, at_end)) in JUMPS.windows.into_iter().zip(by_chance).rev() {
+    for (w, (within, at_end)) in JUMPS.windows.into_iter().zip(by_chance) {
         let left: Vec<Option<Left>> = (0..time.len()).map(|row| compare(row, w)).collect();
-        let least = *least.get_or_insert_with(|| {
-            let mut usual: Vec<f64> = left.iter().flatten().map(|l| l.by_parts).collect();
-            JUMPS.least_left * median(&mut usual).unwrap_or(0.0)
-        });
         for (best, left) in found.iter_mut().zip(left) {
             let Some(left) = left else { continue };
             let is_cut = best.1 < w || best.1 + w > time.len();
             let by_chance = if is_cut { at_end } else { within };
-            let gain = left.by_whole / (left.by_parts.max(least) + floor) / by_chance;
+            let gain = left.by_whole / left.by_parts.max(least_left) / by_chance;
             if gain > best.0 {
                 (best.0, best.2) = (gain, w);
             }
@@ -197,6 +196,17 @@ mod tests {
         assert_eq!(rows(0, |t| (t - 0.805).abs()), [0; 0]);
         assert_eq!(rows(0, |t| if t < 1.985 { 1.0 } else { 0.5 }), [199]);
         assert_eq!(rows(0, |t| if t < 0.015 { 1.0 } else { 0.5 }), [2]);
+    }
+
+    /// A relay that switches every seven readings.
+    #[test]
+    fn jumps_near_each_other_are_found() {
+        let time: Vec<f64> = (0..210).map(f64::from).collect();
+        let readings: Vec<f64> = (0..210).map(|k| f64::from(k / 7 % 2)).collect();
+        let found = jump_rows(&time, &readings, 0);
+        let rows: Vec<usize> = found.iter().map(|b| b.row).collect();
+        let switched: Vec<usize> = (1..30).map(|k| 7 * k).collect();
+        assert_eq!(rows, switched);
     }
 
     /// Four rounded readings in a row often lie on one parabola by chance.

@@ -14,7 +14,7 @@ family! {
         /// How far the laws must lead from the next state before a jump is looked for that they miss: the sum over the states of the squares.
         missed: f64 = 0.01, unit "spread, squared", source "set by hand: a tenth of the spread, more than a step of the laws slips";
         /// Least variance that parabolas are taken to leave: what is less, of rounded readings above all, they leave by chance.
-        least_left: f64 = 0.25, unit "of the median of the shortest windows", source "set by hand: white noise leaves two parabolas through four readings each less once in six, through twelve never";
+        least_left: f64 = 0.25, unit "of the variance of the noise", source "white noise leaves two parabolas through four readings each less once in five, through twelve never";
         /// What is left of parabolas without noise.
         rounding: f64 = 1e-9, unit "of the range", source "readings written with nine digits";
     }
