@@ -283,24 +283,6 @@ family! {
 }
 
 family! {
-    /// Noise of sensors that lasts from sample to sample.
-    pub(crate) NOISE_MEMORY: NoiseMemory {
-        /// Shortest time constant that is tried.
-        least: f64 = 0.2, unit "steps", source "the next reading then shares less than 1 % of an error: white";
-        /// Fewest independent errors of a record, on average, at the longest time constant that is tried.
-        errors: f64 = 10.0, unit "time constants a record", source "with fewer, noise is an offset or a drift, and laws that are wrong leave the same";
-        /// Largest share of an error that lasts from one sample to the next.
-        most_lasting: f64 = 0.999_999, unit "", source "1/sqrt(1 - share^2), by which what is new is weighed, then keeps all but three digits";
-        /// Fewest readings of a state from which a time constant is estimated.
-        min_readings: usize = 50, unit "readings", source "as for a noise level of their own: `records.min_readings_of_own_noise`";
-        /// Least robust standard deviation of what is new in each error: what passes for noise, but comes in bursts, wrong laws leave.
-        robust: f64 = 0.5, unit "standard deviations", source "of a normal distribution 1, of Laplace's 0.73, of Student's with 3 degrees of freedom 0.65";
-        /// Change of the correlation of one sample's error with the next one's at which the fit is not repeated.
-        settled: f64 = 0.01, unit "", source "a fifth of what chance leaves in 400 readings";
-    }
-}
-
-family! {
     /// What several records of one plant say of each other.
     pub(crate) POOLING: Pooling {
         /// Residual up to which laws follow a record from which they were not found.
@@ -442,7 +424,6 @@ pub fn tables() -> Vec<Table> {
         Residuals::table(),
         Ahead::table(),
         NoiseGrowth::table(),
-        NoiseMemory::table(),
         Pooling::table(),
         Delays::table(),
         DeclaredDelays::table(),

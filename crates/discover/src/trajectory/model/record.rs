@@ -6,7 +6,8 @@
 use std::ops::Range;
 
 use super::system::System;
-use crate::trajectory::thresholds::{NOISE_MEMORY, RECORDS};
+use super::thresholds::NOISE_MEMORY;
+use crate::trajectory::thresholds::RECORDS;
 use sidc_data as data;
 use sidc_data::{Cubic, Dataset, Trajectory};
 use sidc_lang::model::Between;

@@ -6,8 +6,9 @@
 
 use crate::trajectory::golden_section::golden_section;
 use crate::trajectory::likelihood::{Fit, final_floor};
+use crate::trajectory::model::thresholds::NOISE_MEMORY;
 use crate::trajectory::model::{Problem, Record};
-use crate::trajectory::thresholds::{GAUSS_NEWTON, NOISE_MEMORY, RESIDUALS};
+use crate::trajectory::thresholds::{GAUSS_NEWTON, RESIDUALS};
 use sidc_data::{MEDIAN_OF_ABS_NORMAL, median};
 
 /// Noise that lasts along a fit.
