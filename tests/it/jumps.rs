@@ -109,7 +109,7 @@ fn a_ball_bounces_whose_heights_are_rounded() {
     });
 }
 
-/// Thirty pictures a second, errors of 4 mm; in one of them every fortieth picture or so shows something else.
+/// Thirty pictures a second, errors of 4 mm. Two pictures that show something else may spoil the law, but then it does not pass.
 #[test]
 fn a_camera_sees_a_ball() {
     let step = 1.0 / 30.0;

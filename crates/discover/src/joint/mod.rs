@@ -276,6 +276,7 @@ fn weigh(
 ) -> (Discovery, Fitted) {
     let stopped = watcher.stop();
     let problem = answer.fit.problem.as_ref();
+    discovery.rests = rests(problem);
     doubt_runs(
         &mut discovery,
         (model, problem),
@@ -338,7 +339,6 @@ fn doubt_runs(
     discovery.runs_left = (left_out.iter())
         .filter_map(|l| problem.names.get(l.trajectory).cloned())
         .collect();
-    discovery.rests = rests(problem);
     // Where the answer already has undeclared coefficients for each run, no others are looked for.
     let split = pooling_rules::has_undeclared(model, discovery);
     if split || used.len() < 2 || watcher.at(Stage::Weighing).is_some() {

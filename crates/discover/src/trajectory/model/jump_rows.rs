@@ -19,15 +19,22 @@ pub(super) fn jump_rows(time: &[f64], readings: &[f64], order: u8) -> Vec<Break>
     let fit = |from: usize, to: usize, degree: usize| {
         Polynomial::fit(&time[from..to], &readings[from..to], degree)
     };
+    // As `sidc_data::difference_noise`, at uneven instants too: what a parabola leaves of four readings has one degree of freedom, and few such
+    // windows hold a jump.
+    let lone = (0..time.len().saturating_sub(3)).map(|k| fit(k, k + 4, 2).left_over);
+    let mut lone: Vec<f64> = lone.filter(|x| x.is_finite()).collect();
+    let noise = median(&mut lone).unwrap_or(0.0) / MEDIAN_OF_ABS_NORMAL.powi(2);
+    let least_left = (JUMPS.least_left * noise).max(floor);
+    let is_cut = |row: usize, w: usize| row < w || row + w > time.len();
     // Near an end of the record the side towards it is shorter, and what few readings there are lies on a polynomial of lower degree.
-    let compare = |row: usize, w: usize| -> Option<Left> {
+    let gain = |row: usize, w: usize| -> f64 {
         let (from, to) = (row.saturating_sub(w), (row + w).min(time.len()));
         let sides = [(from, row), (row, to)];
         let [left, right] = sides.map(|(from, to)| to - from);
-        let at_end = left < w || right < w;
+        let at_end = is_cut(row, w);
         let usable = left.min(right) > 0 && left.max(right) == w;
         if at_end && (order > 0 || !usable) {
-            return None;
+            return 0.0;
         }
         let mut parts = Sum::default();
         for (from, to) in sides {
@@ -36,32 +43,24 @@ pub(super) fn jump_rows(time: &[f64], readings: &[f64], order: u8) -> Vec<Break>
         let mut whole = Sum::default();
         whole.add(&fit(from, to, 3));
         let bends = || !at_end && fit(from, to, 5).left_over <= parts.squares;
-        whole.squares.is_finite().then(|| Left {
-            by_parts: parts.mean(),
-            by_whole: if bends() { 0.0 } else { whole.mean() },
-        })
-    };
-    // What a parabola leaves of four readings has one degree of freedom, and few such windows hold a jump.
-    let lone = (0..time.len().saturating_sub(3)).map(|k| fit(k, k + 4, 2).left_over);
-    let mut lone: Vec<f64> = lone.filter(|x| x.is_finite()).collect();
-    let noise = median(&mut lone).unwrap_or(0.0) / MEDIAN_OF_ABS_NORMAL.powi(2);
-    let least_left = (JUMPS.least_left * noise).max(floor);
-    // For each row how far it stands out in the window in which it does most.
-    let mut found: Vec<(f64, usize, usize)> = (0..time.len()).map(|row| (1.0, row, 0)).collect();
-    let by_chance = JUMPS.gains.into_iter().zip(JUMPS.gains_at_end);
-    for (w, (within, at_end)) in JUMPS.windows.into_iter().zip(by_chance) {
-        let left: Vec<Option<Left>> = (0..time.len()).map(|row| compare(row, w)).collect();
-        for (best, left) in found.iter_mut().zip(left) {
-            let Some(left) = left else { continue };
-            let is_cut = best.1 < w || best.1 + w > time.len();
-            let by_chance = if is_cut { at_end } else { within };
-            let gain = left.by_whole / left.by_parts.max(least_left) / by_chance;
-            if gain > best.0 {
-                (best.0, best.2) = (gain, w);
-            }
+        match whole.squares.is_finite() && !bends() {
+            true => whole.mean() / parts.mean().max(least_left),
+            false => 0.0,
         }
-    }
-    found.retain(|(_, _, w)| *w > 0);
+    };
+    // For each row the window in which it stands out most.
+    let windows =
+        || (JUMPS.windows.into_iter()).zip(JUMPS.gains.into_iter().zip(JUMPS.gains_at_end));
+    let mut found: Vec<(f64, usize, usize)> = (0..time.len())
+        .filter_map(|row| {
+            let each = windows().map(|(w, (within, at_end))| {
+                let by_chance = if is_cut(row, w) { at_end } else { within };
+                (gain(row, w) / by_chance, row, w)
+            });
+            each.max_by(|a, b| a.0.total_cmp(&b.0))
+                .filter(|best| best.0 > 1.0)
+        })
+        .collect();
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut peaks: Vec<(usize, usize)> = Vec::new();
     for (_, row, w) in found {
@@ -72,7 +71,7 @@ pub(super) fn jump_rows(time: &[f64], readings: &[f64], order: u8) -> Vec<Break>
     peaks.sort_unstable();
     // Where the parabolas meet is known to a small part of a step; noise moves the best row by one.
     let place = |(row, w): (usize, usize)| {
-        if row < w || row + w > time.len() {
+        if is_cut(row, w) {
             return Some(row);
         }
         let (left, right) = (fit(row - w, row - 1, 2), fit(row + 1, row + w, 2));
@@ -89,13 +88,6 @@ pub(super) fn jump_rows(time: &[f64], readings: &[f64], order: u8) -> Vec<Break>
     rows.into_iter()
         .map(|row| Break { row, order: 0 })
         .collect()
-}
-
-/// Variances that polynomials leave of the readings about a row.
-struct Left {
-    by_parts: f64,
-    /// 0 where one polynomial is as good.
-    by_whole: f64,
 }
 
 /// Sums of squares, with their degrees of freedom.

@@ -4,12 +4,12 @@
 //! order in continuous time; its time constant is that of the largest likelihood given the fit, with the size of each sensor's noise profiled
 //! out. Fits no laws.
 
+use super::outliers::deviation;
 use crate::trajectory::golden_section::golden_section;
 use crate::trajectory::likelihood::{Fit, final_floor};
 use crate::trajectory::model::thresholds::NOISE_MEMORY;
 use crate::trajectory::model::{Problem, Record};
 use crate::trajectory::thresholds::{GAUSS_NEWTON, RESIDUALS};
-use sidc_data::{MEDIAN_OF_ABS_NORMAL, median};
 
 /// Noise that lasts along a fit.
 pub struct LastingNoise {
@@ -64,8 +64,7 @@ pub fn noise_comes_in_bursts(problem: &Problem, fit: &Fit) -> bool {
         let new = problem.records.iter().enumerate().flat_map(of_record);
         let mut new: Vec<f64> = new.map(f64::abs).filter(|x| x.is_finite()).collect();
         let square = new.iter().map(|x| x * x).sum::<f64>() / new.len() as f64;
-        let robust = median(&mut new).map_or(0.0, |m| m / MEDIAN_OF_ABS_NORMAL);
-        robust < NOISE_MEMORY.robust * square.sqrt()
+        deviation(&mut new) < NOISE_MEMORY.robust * square.sqrt()
     };
     let lasts = |state: &usize| problem.noise_time_constant(*state).is_some();
     problem.read_states().filter(lasts).any(bursts)

@@ -226,7 +226,7 @@ fn robust_sigma(problem: &Problem, fit: &Fit, state: usize) -> Vec<f64> {
 }
 
 /// The standard deviation that distances tell of, fewer than half of them outliers; 0 without any.
-fn deviation(distances: &mut [f64]) -> f64 {
+pub(super) fn deviation(distances: &mut [f64]) -> f64 {
     median(distances).unwrap_or(0.0) / MEDIAN_OF_ABS_NORMAL
 }
 
